@@ -1,0 +1,58 @@
+/** pith/cut.h: iso-surfaces and cuts of tetrahedral models.
+ *
+ *  A *part* is a tetrahedral body that remembers where it came from: per vertex its material coordinates (where solids
+ *  are asked), per tet the original tet. A *shell* is a part's surface as triangles: skin (the model's own surface) and
+ *  section (what a cut laid open). Cutting never changes a solid. */
+#ifndef PITH_CUT_H
+#define PITH_CUT_H
+
+#include "pith/shape.h"
+
+typedef enum pith_face_kind { PITH_SKIN, PITH_SECTION } pith_face_kind;
+
+typedef struct pith_shell pith_shell;
+typedef struct pith_shell_view {
+    const pith_vec3 *positions;     /* [vertex_count] where the vertex is now */
+    const pith_vec3 *material;      /* [vertex_count] where solids are asked */
+    const uint32_t (*triangles)[3]; /* [triangle_count] counter-clockwise seen from outside the part */
+    const uint32_t *source_tet;     /* [triangle_count] original tet the triangle lies in */
+    const uint8_t *kinds;           /* [triangle_count] pith_face_kind */
+    uint32_t vertex_count, triangle_count;
+} pith_shell_view;
+pith_shell_view pith_shell_look(const pith_shell *shell);
+void pith_shell_destroy(pith_shell *shell);
+/** As a plain mesh (positions only). */
+pith_status pith_shell_mesh(const pith_shell *shell, pith_mesh **mesh, pith_error *err);
+/** Areas of skin and section and the enclosed volume (divergence theorem); any may be NULL. */
+void pith_shell_measure(const pith_shell *shell, double *skin, double *section, double *volume);
+
+typedef struct pith_part pith_part;
+typedef struct pith_part_view {
+    const pith_vec3 *positions, *material;  /* [vertex_count] */
+    const uint32_t (*tets)[4];              /* [tet_count] positive volume */
+    const uint32_t *source_tet;             /* [tet_count] */
+    uint32_t vertex_count, tet_count;
+} pith_part_view;
+pith_part_view pith_part_look(const pith_part *part);
+void pith_part_destroy(pith_part *part);
+/** The whole model: material coordinates are the positions. Copies. */
+pith_status pith_part_whole(const pith_tets *tets, pith_part **part, pith_error *err);
+/** Its surface; faces made by former splits are section. */
+pith_status pith_part_shell(const pith_part *part, pith_shell **shell, pith_error *err);
+double pith_part_volume(const pith_part *part);
+
+/** Cuts along the zero of a function given at the part's vertices, by marching tetrahedra (Treece et al. 1999), without
+ *  touching the part: shells of the negative and of the positive (value >= 0) side, each closed and watertight, either
+ *  may be NULL when not wanted; a side without anything is an empty shell (0 triangles). A value of exactly 0 puts the
+ *  cut through the vertex itself. PITH_BAD_ARGUMENT for values that are not finite. O(tets), parallel. */
+pith_status pith_part_cut(const pith_part *part, const double *values, pith_shell **negative, pith_shell **positive,
+                          pith_error *err);
+/** Splits the part into two along the same zero: every crossed tet is divided into tets of either side, consistently
+ *  across faces, so that either part can be cut again. Empty sides give parts with 0 tets. */
+pith_status pith_part_split(const pith_part *part, const double *values, pith_part **negative, pith_part **positive,
+                            pith_error *err);
+/** Signed distances (model units) of the part's vertices to a plane; values [vertex_count].
+ *  Vertices nearer than 1e-12 of the model's diagonal are put exactly on the plane. */
+pith_status pith_part_plane_values(const pith_part *part, const pith_plane *plane, double *values, pith_error *err);
+
+#endif

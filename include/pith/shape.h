@@ -1,0 +1,195 @@
+/** pith/shape.h: triangle meshes, tetrahedral meshes, where a point lies in them, and their files. */
+#ifndef PITH_SHAPE_H
+#define PITH_SHAPE_H
+
+#include "pith/base.h"
+
+/* ---- triangle meshes ----------------------------------------------------------------------------------------- */
+
+typedef struct pith_mesh pith_mesh;
+
+/** Plain arrays; used to look into a mesh and to make one. Optional arrays are NULL. */
+typedef struct pith_mesh_view {
+    const pith_vec3 *positions;     /* [vertex_count] model units */
+    const pith_vec3 *normals;       /* [vertex_count] unit length, or NULL */
+    const float (*colours)[4];      /* [vertex_count] linear RGBA 0..1, or NULL */
+    const float (*texcoords)[2];    /* [vertex_count] or NULL; origin at the lower left */
+    const uint32_t (*triangles)[3]; /* [triangle_count] counter-clockwise seen from outside */
+    uint32_t vertex_count, triangle_count;
+} pith_mesh_view;
+
+/** Copies the arrays. PITH_BAD_MESH for an index out of range or a position that is not finite. */
+pith_status pith_mesh_create(const pith_mesh_view *from, pith_mesh **mesh, pith_error *err);
+void pith_mesh_destroy(pith_mesh *mesh);
+/** The mesh's own arrays, valid until the mesh is destroyed. */
+pith_mesh_view pith_mesh_look(const pith_mesh *mesh);
+
+/** What cleaning found and did. Counts are of the cleaned mesh unless the comment says otherwise. */
+typedef struct pith_mesh_report {
+    uint32_t vertices, triangles;
+    uint32_t welded_vertices;       /* removed because another vertex has the same position */
+    uint32_t unused_vertices;       /* removed because no triangle uses them */
+    uint32_t degenerate_triangles;  /* removed: repeated corner or no area */
+    uint32_t duplicate_triangles;   /* removed: the same three corners again */
+    uint32_t flipped_triangles;     /* turned so that neighbours agree and the outside is outside */
+    uint32_t components;            /* connected through edges */
+    uint32_t boundary_edges, boundary_loops;
+    uint32_t nonmanifold_edges;     /* shared by more than two triangles, or by two that cannot agree */
+    uint32_t self_intersections;    /* pairs of triangles that cross; counting stops at 10 000 */
+    pith_vec3 boundary_at, nonmanifold_at, intersection_at; /* one place of each, when its count is not 0 */
+    bool closed;                    /* no boundary and no non-manifold edge, consistently turned */
+    double area, volume;            /* model units; volume is meaningful when closed */
+    pith_box box;
+} pith_mesh_report;
+
+/** Reads OBJ, PLY (ascii, both binary byte orders), STL (ascii, binary), OFF (also COFF/NOFF) or GLB by extension;
+ *  polygons are cut into triangles. The mesh is as in the file: clean it next. PITH_BAD_FILE names file, line or byte,
+ *  and what was expected. Coordinates that are not finite are refused. */
+pith_status pith_mesh_read(const char *path, pith_mesh **mesh, pith_error *err);
+/** Same from memory; format is the extension without dot; name is used in messages. */
+pith_status pith_mesh_parse(const char *name, const char *format, const void *bytes, size_t size, pith_mesh **mesh,
+                            pith_error *err);
+/** Writes PLY (binary little endian, double positions), OBJ or GLB with every attribute the mesh has. */
+pith_status pith_mesh_write(const pith_mesh *mesh, const char *path, pith_error *err);
+
+/** Welds vertices of equal position (relative tolerance 1e-12 of the box's diagonal), drops degenerate and duplicate
+ *  triangles and unused vertices, turns triangles consistently and each closed component outward (a component inside
+ *  another an odd number of times is a cavity and is turned inward), and counts what is left wrong. Makes a new mesh.
+ *  Cost O(n log n). Colours and texture coordinates of a welded vertex are those of its first copy. */
+pith_status pith_mesh_clean(const pith_mesh *mesh, pith_mesh **clean, pith_mesh_report *report, pith_error *err);
+/** Only measures (counts of repairs are 0). */
+pith_status pith_mesh_measure(const pith_mesh *mesh, pith_mesh_report *report, pith_error *err);
+/** One sentence saying what is wrong with the surface and where ("12 boundary edges in 1 loop, the first at (…); close
+ *  the hole or …"), or "" when it is closed and free of self-intersections. */
+void pith_mesh_complaint(const pith_mesh_report *report, char *text, size_t capacity);
+
+/** An icosphere mapped to an ellipsoid-like fruit: radii along x, y, z; `power` 2 is an ellipsoid, more is boxier;
+ *  `dent` pulls both poles (z axis) in by that fraction of radii.z, over an angle of about 25 degrees; `bump` adds
+ *  smooth unevenness of that fraction of the radius, from `seed`. detail n gives 20 * 4^n triangles (0..8). */
+typedef struct pith_fruit_options {
+    double radius_x, radius_y, radius_z, power, dent, bump;
+    uint32_t detail;
+    uint64_t seed;
+} pith_fruit_options;
+extern const pith_params pith_fruit_params;
+pith_fruit_options pith_fruit_options_default(void);
+pith_status pith_mesh_fruit(const pith_fruit_options *options, pith_mesh **mesh, pith_error *err);
+
+/** Angle-weighted vertex normals (Thürmer and Wüthrich 1998), unit length; [vertex_count], caller's array. */
+void pith_mesh_vertex_normals(const pith_mesh_view *mesh, pith_vec3 *normals);
+
+/* ---- spatial queries over triangles (Embree, robust) ----------------------------------------------------------- */
+
+typedef struct pith_tracer pith_tracer; /* borrows nothing: it keeps its own scaled float copy */
+
+typedef struct pith_ray { pith_vec3 origin, direction; double nearest, farthest; } pith_ray; /* in units of direction */
+typedef struct pith_hit {
+    double distance;    /* in units of the ray's direction; INFINITY when nothing was hit */
+    uint32_t triangle;  /* PITH_NONE when nothing was hit */
+    float u, v;         /* the hit is (1-u-v) a + u b + v c of the triangle's corners */
+} pith_hit;
+
+pith_status pith_tracer_create(const pith_mesh_view *mesh, pith_tracer **tracer, pith_error *err);
+void pith_tracer_destroy(pith_tracer *tracer);
+/** First hits of count rays; parallel, deterministic. */
+void pith_tracer_hits(const pith_tracer *tracer, const pith_ray *rays, size_t count, pith_hit *hits);
+/** True where something lies within the ray's range. */
+void pith_tracer_occluded(const pith_tracer *tracer, const pith_ray *rays, size_t count, bool *occluded);
+typedef struct pith_nearest { pith_vec3 point; double distance; uint32_t triangle; } pith_nearest;
+/** Nearest surface point of each query, refined in double precision against the double mesh. */
+void pith_tracer_nearest(const pith_tracer *tracer, const pith_vec3 *points, size_t count, pith_nearest *nearest);
+/** Inside a closed mesh? Parity by a vote of jittered rays: three, five more when they disagree. */
+void pith_tracer_inside(const pith_tracer *tracer, const pith_vec3 *points, size_t count, bool *inside);
+
+/** Generalized winding number at each point: about 1 inside, 0 outside, between on meshes with holes. Brute force with
+ *  a hierarchical far-field approximation (Barill et al. 2018). Source: Jacobson, Kavan, Sorkine-Hornung 2013. */
+pith_status pith_mesh_winding(const pith_mesh_view *mesh, const pith_vec3 *points, size_t count, double *winding,
+                              pith_error *err);
+
+/* ---- tetrahedral meshes ---------------------------------------------------------------------------------------- */
+
+typedef struct pith_tets pith_tets;
+
+typedef struct pith_tets_view {
+    const pith_vec3 *positions;     /* [vertex_count] */
+    const uint32_t (*tets)[4];      /* [tet_count], positive volume (see pith_volume6) */
+    const uint32_t (*neighbours)[4];/* [tet_count] the tet across the face opposite corner k, or PITH_NONE */
+    uint32_t vertex_count, tet_count;
+} pith_tets_view;
+
+/** Copies vertices and tets (neighbours in `from` is ignored), turns negative ones, builds adjacency.
+ *  PITH_BAD_MESH: index out of range, not finite, zero volume, or a face in more than two tets. O(n). */
+pith_status pith_tets_create(const pith_tets_view *from, pith_tets **tets, pith_error *err);
+void pith_tets_destroy(pith_tets *tets);
+pith_tets_view pith_tets_look(const pith_tets *tets);
+
+typedef enum pith_mesher { PITH_MESHER_AUTO, PITH_MESHER_TETGEN, PITH_MESHER_STUFFING } pith_mesher;
+
+typedef struct pith_tets_options {
+    uint32_t mesher;        /* pith_mesher; auto: TetGen, stuffing when the surface is dirty or TetGen fails */
+    uint32_t tetrahedra;    /* wanted number; 0: leave it to edge_length or the surface's own resolution */
+    double edge_length;     /* wanted edge length, model units; 0: not given */
+    double radius_edge;     /* TetGen's quality bound on radius / shortest edge */
+    double time_limit;      /* seconds the mesher process may run */
+    double memory_limit;    /* MiB the mesher process may use */
+} pith_tets_options;
+extern const pith_params pith_tets_params;
+pith_tets_options pith_tets_options_default(void);
+
+typedef struct pith_tets_report {
+    uint32_t tetrahedra, vertices;
+    uint32_t mesher;                /* which one made it */
+    char why[300];                  /* why stuffing was taken, or "" */
+    double volume, min_volume;      /* model units cubed */
+    double min_dihedral, max_dihedral; /* degrees, over all tets */
+    double below_10_degrees;        /* fraction of tets with a dihedral angle below 10 degrees */
+} pith_tets_report;
+
+/** Fills a closed surface with tetrahedra. TetGen (Si 2015) runs in its own process (program `pith-tetgen`, found
+ *  beside the running program, in PITH_LIBEXEC or where the build put it) with limits of time and memory; it keeps the
+ *  surface's vertices and triangles exactly. A surface that is open, non-manifold or crosses itself goes to isosurface
+ *  stuffing (Labelle and Shewchuk 2007) on the generalized winding number 0.5. Always returns, whatever the input.
+ *  interior [interior_count]: points that should become vertices (TetGen only; may be NULL).
+ *  Deterministic. report may be NULL. */
+pith_status pith_tets_mesh(const pith_mesh *surface, const pith_vec3 *interior, size_t interior_count,
+                           const pith_tets_options *options, const pith_progress *progress, pith_tets **tets,
+                           pith_tets_report *report, pith_error *err);
+/** Volume, dihedral angles; `mesher`/`why` stay empty. */
+void pith_tets_measure(const pith_tets *tets, pith_tets_report *report);
+
+/** The boundary as a triangle mesh, outward; vertex i of the mesh is vertex `source_vertex[i]`, triangle j is the face of
+ *  tet `source_tet[j]`. Both maps may be NULL; else they are allocated and the caller frees them with pith_free. */
+pith_status pith_tets_surface(const pith_tets *tets, pith_mesh **surface, uint32_t **source_vertex,
+                              uint32_t **source_tet, pith_error *err);
+
+/** Bisects marked tets [tet_count] by longest edges (Rivara 1997), conforming: neighbours are bisected as needed. New
+ *  vertices lie in the middle of edges: edge_ends [2] of each new vertex (allocated, caller frees; may be NULL) for
+ *  interpolating attributes in order of creation. Makes a new mesh; old vertices keep their index. */
+pith_status pith_tets_refine(const pith_tets *tets, const bool *marked, pith_tets **refined,
+                             uint32_t (**edge_ends)[2], uint32_t *new_vertices, pith_error *err);
+
+/** Volume of tet t (positive). */
+double pith_tets_volume_of(const pith_tets_view *tets, uint32_t t);
+
+/* ---- point location ---------------------------------------------------------------------------------------------- */
+
+typedef struct pith_locator pith_locator; /* borrows the tets: they must outlive it and not move */
+
+pith_status pith_locator_create(const pith_tets *tets, pith_locator **locator, pith_error *err);
+void pith_locator_destroy(pith_locator *locator);
+/** Tet and barycentric coordinates of each point: the tet that contains it, or for points outside (or lost between tets
+ *  by rounding) PITH_NONE when `nearest` is false, else the nearest tet with coordinates clamped to it. Points on a
+ *  shared face belong to the tet of lowest index. Thread-safe; expected O(1) per point. */
+void pith_locator_find(const pith_locator *locator, const pith_vec3 *points, size_t count, bool nearest, uint32_t *tet,
+                       double (*weights)[4]);
+
+/* ---- VTU ----------------------------------------------------------------------------------------------------------- */
+
+typedef struct pith_attribute { const char *name; uint32_t components; const double *values; } pith_attribute;
+/** ParaView's VTU (XML, appended raw, little endian): points in double, cells, point and cell data. */
+pith_status pith_tets_write_vtu(const pith_tets *tets, const pith_attribute *point_data, size_t point_count,
+                                const pith_attribute *cell_data, size_t cell_count, const char *path, pith_error *err);
+/** Reads tetrahedra from a VTU: appended raw, inline base64 (uncompressed) or ascii; other cell types are refused. */
+pith_status pith_tets_read_vtu(const char *path, pith_tets **tets, pith_error *err);
+
+#endif

@@ -1,0 +1,96 @@
+/** pith/solid.h: the one sampling interface, and the kinds of solid behind it.
+ *
+ *  A solid is a function from points inside a shape (material coordinates, model units) to an appearance: RGBA and, when
+ *  the solid has them, further channels such as displacement. Nobody who asks knows which kind answers. */
+#ifndef PITH_SOLID_H
+#define PITH_SOLID_H
+
+#include "pith/image.h"
+#include "pith/shape.h"
+
+typedef struct pith_solid pith_solid;
+
+/** A batch of questions. Optional arrays are NULL. */
+typedef struct pith_query {
+    const pith_vec3 *points;        /* [count] material coordinates */
+    const pith_vec3 *normals;       /* [count] unit normal of the surface asked for */
+    const float *footprints;        /* [count] diameter of the area one answer stands for, model units */
+    const uint32_t *tets;           /* [count] tet that contains the point, when the asker knows it */
+    const double (*weights)[4];     /* [count] barycentric coordinates in that tet; goes with tets */
+    size_t count;
+} pith_query;
+
+/** Channels of an answer, at least 4: linear red, green, blue, opacity, then further ones in the kind's order. */
+uint32_t pith_solid_channels(const pith_solid *solid);
+/** The kind's name: "grid", "lapped", … */
+const char *pith_solid_kind(const pith_solid *solid);
+/** Answers a batch: out [count][channels]. A point outside the solid gets zeros. Thread-safe, parallel inside when the
+ *  batch is large and the caller is not parallel itself, same bits for any number of threads and any batching. */
+pith_status pith_solid_sample(const pith_solid *solid, const pith_query *query, float *out, pith_error *err);
+void pith_solid_destroy(pith_solid *solid);
+
+/* ---- kind "grid" ------------------------------------------------------------------------------------------------- */
+
+/** Trilinear voxels placed by the grid's origin and spacing; copies the grid. One channel becomes grey, two grey and
+ *  opacity, three opaque RGB. Outside: zeros, or the nearest voxel when `clamp`. */
+pith_status pith_solid_grid(const pith_grid *grid, bool clamp, pith_solid **solid, pith_error *err);
+
+/* ---- kind "lapped" ----------------------------------------------------------------------------------------------- */
+
+typedef enum pith_texture_type { PITH_TYPE_1A, PITH_TYPE_1B } pith_texture_type;
+
+typedef struct pith_lapped_options {
+    uint32_t type;          /* pith_texture_type */
+    uint64_t seed;
+    double mask_radius;     /* half width of the splotch in texture units (the exemplar is 1 wide) */
+    double drop_off;        /* width of the mask's drop-off in texture units */
+    double roughness;       /* unevenness of the splotch's outline, fraction of its radius */
+    double angle_limit;     /* a clump stops where the frame has turned this far from the seed's, degrees */
+    double scale_bound;     /* texture scale is at most this many times its median over the mesh */
+    double tolerance;       /* conjugate gradients of the texture optimisation: relative residual */
+    uint32_t regrow_limit;  /* rounds of re-growing and optimising again per patch */
+    bool jitter;            /* shift the exemplar at random along r and t (it must tile there) */
+} pith_lapped_options;
+extern const pith_params pith_lapped_params;
+pith_lapped_options pith_lapped_options_default(void);
+
+/** What a lapped solid is made from. Everything is borrowed; the solid keeps copies of what it needs afterwards, but
+ *  borrows tets, which must outlive it. */
+typedef struct pith_lapped_input {
+    const pith_tets *tets;
+    const pith_grid *exemplar;      /* >= 3 channels; grid axes are (r, s, t), s = 0 is the outside; tiles along r, t */
+    const double *depth;            /* [vertex_count] 0..1, used as the texture coordinate s */
+    const pith_vec3 *gradient;      /* [vertex_count] of depth, 1/model unit */
+    const pith_vec3 *secondary;     /* [vertex_count] unit; the exemplar's t axis follows it; NULL for type 1-A */
+} pith_lapped_input;
+
+typedef struct pith_lapped_report {
+    uint32_t patches, regrown;      /* patches pasted; rounds of re-growing over all patches */
+    double overlap;                 /* mean number of patches per tet that are visible there */
+    double clump;                   /* mean tets per patch */
+    double angle_mean, angle_95;    /* degrees between mapped texture axes and the frame field, volume-weighted */
+    size_t bytes;                   /* of the solid in memory, exemplar included */
+    double seconds;
+} pith_lapped_report;
+
+/** Fills the mesh with overlapping patches of the exemplar (Takayama et al. 2008 §5.2; thesis §5.3.2): splotch masks for
+ *  the outer, middle and inner part, seed, clump, texture optimisation, re-growing, 165-point coverage. Ends always: each
+ *  patch covers the uncovered sample it was centred on. Opaque everywhere inside: patches are composed front to back and
+ *  the sum is divided by its weight. Cost O(tets * overlap); time per patch does not depend on the mesh's size.
+ *  PITH_BAD_ARGUMENT: missing input for the type, an exemplar without enough channels, options out of range. */
+pith_status pith_solid_lapped(const pith_lapped_input *input, const pith_lapped_options *options,
+                              const pith_progress *progress, pith_solid **solid, pith_lapped_report *report,
+                              pith_error *err);
+
+/** Texture coordinates (r,s,t) of the topmost patch at each point and that patch's number; PITH_NONE outside.
+ *  PITH_BAD_ARGUMENT when the solid is not lapped. For tests, the editor and measurement. */
+pith_status pith_lapped_texture(const pith_solid *solid, const pith_query *query, double (*rst)[3], uint32_t *patch,
+                                pith_error *err);
+
+/** The patches as bytes (exemplar and mesh not included), for the cache; free with pith_free. */
+pith_status pith_lapped_save(const pith_solid *solid, unsigned char **bytes, size_t *size, pith_error *err);
+/** A solid from saved patches over the same tets, depth and exemplar; every index is checked. */
+pith_status pith_lapped_load(const void *bytes, size_t size, const pith_tets *tets, const double *depth,
+                             const pith_grid *exemplar, pith_solid **solid, pith_error *err);
+
+#endif

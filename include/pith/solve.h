@@ -1,0 +1,62 @@
+/** pith/solve.h: sparse least squares with a reusable factor; thin-plate RBF interpolation. */
+#ifndef PITH_SOLVE_H
+#define PITH_SOLVE_H
+
+#include "pith/base.h"
+
+/* ---- sparse least squares ------------------------------------------------------------------------------------ */
+
+/** Compressed rows, as views: row i has columns[start[i]] .. columns[start[i+1]-1] with values beside them. */
+typedef struct pith_sparse_view {
+    uint32_t row_count, column_count;
+    const uint32_t *start;      /* [row_count + 1] */
+    const uint32_t *columns;
+    const double *values;
+} pith_sparse_view;
+
+typedef struct pith_least_squares pith_least_squares;
+
+typedef struct pith_solve_options {
+    uint32_t method;    /* 0 auto: Cholesky up to direct_limit unknowns, else conjugate gradients; 1 direct; 2 cg */
+    uint32_t direct_limit;
+    double tolerance;   /* cg stops when |residual| <= tolerance * |right-hand side| */
+    uint32_t max_iterations;
+} pith_solve_options;
+extern const pith_params pith_solve_params;
+pith_solve_options pith_solve_options_default(void);
+
+/** Prepares  min |smooth x|² + |constrain x - b|²  (rows already multiplied by their weights): forms the normal matrix
+ *  and factors it by supernodal Cholesky (CHOLMOD), or prepares conjugate gradients with shifted incomplete Cholesky.
+ *  Both views are copied. `constrain` may have 0 rows only if `smooth` has full rank. PITH_BAD_ARGUMENT when the
+ *  system is singular, naming it so. */
+pith_status pith_least_squares_create(const pith_sparse_view *smooth, const pith_sparse_view *constrain,
+                                      const pith_solve_options *options, pith_least_squares **system, pith_error *err);
+void pith_least_squares_destroy(pith_least_squares *system);
+/** New constraint rows, same smoothness: keeps the ordering, factors again. */
+pith_status pith_least_squares_constrain(pith_least_squares *system, const pith_sparse_view *constrain,
+                                         pith_error *err);
+/** Solves for `count` right-hand sides at once: b [count][constraint rows], x [count][unknowns]. */
+pith_status pith_least_squares_solve(const pith_least_squares *system, const double *b, uint32_t count, double *x,
+                                     pith_error *err);
+
+/* ---- radial basis functions ------------------------------------------------------------------------------------ */
+
+typedef struct pith_rbf pith_rbf;
+
+/** Interpolant  f(p) = Σ w_i |p - c_i|³ + a·p + a0  through values at points (Turk and O'Brien 1999): thin-plate energy
+ *  in 3D, exact on affine data. Points within 1e-9 of the box's diagonal of one another are merged when their values
+ *  agree to 1e-9 and refused (naming both) when not. smoothing >= 0 is added to the diagonal (0 interpolates).
+ *  Works in coordinates scaled to the unit box. Degenerate layouts (all points in a plane, a line, one point) get the
+ *  affine part that the data determine. Dense LDLᵀ: O(n³), n <= 20000. */
+pith_status pith_rbf_create(const pith_vec3 *points, const double *values, size_t count, double smoothing,
+                            pith_rbf **rbf, pith_error *err);
+void pith_rbf_destroy(pith_rbf *rbf);
+/** Values [count] and gradients [count] (1/model unit), either may be NULL. Parallel, same bits for any thread count,
+ *  vectorised over centres; cost count * centres. */
+void pith_rbf_evaluate(const pith_rbf *rbf, const pith_vec3 *points, size_t count, double *values,
+                       pith_vec3 *gradients);
+/** The same by the scalar reference loop; for tests. */
+void pith_rbf_evaluate_reference(const pith_rbf *rbf, const pith_vec3 *points, size_t count, double *values,
+                                 pith_vec3 *gradients);
+
+#endif
