@@ -25,11 +25,15 @@ void pith_shell_destroy(pith_shell *shell);
 pith_status pith_shell_mesh(const pith_shell *shell, pith_mesh **mesh, pith_error *err);
 /** Areas of skin and section and the enclosed volume (divergence theorem); any may be NULL. */
 void pith_shell_measure(const pith_shell *shell, double *skin, double *section, double *volume);
+/** Unit normals per corner of a triangle, [triangle_count][3], caller's array: the angle-weighted mean (Thürmer and
+ *  Wüthrich 1998) of the triangles round the vertex that are of the same kind, skin or section, and turned away by no
+ *  more than `crease` degrees (0..180). O(triangles), parallel. */
+pith_status pith_shell_normals(const pith_shell *shell, double crease, pith_vec3 (*normals)[3], pith_error *err);
 
 typedef struct pith_part pith_part;
 typedef struct pith_part_view {
     const pith_vec3 *positions, *material;  /* [vertex_count] */
-    const uint32_t (*tets)[4];              /* [tet_count] positive volume */
+    const uint32_t (*tets)[4];              /* [tet_count] positive volume, but for pieces as thin as rounding */
     const uint32_t *source_tet;             /* [tet_count] */
     uint32_t vertex_count, tet_count;
 } pith_part_view;
@@ -42,13 +46,18 @@ pith_status pith_part_shell(const pith_part *part, pith_shell **shell, pith_erro
 double pith_part_volume(const pith_part *part);
 
 /** Cuts along the zero of a function given at the part's vertices, by marching tetrahedra (Treece et al. 1999), without
- *  touching the part: shells of the negative and of the positive (value >= 0) side, each closed and watertight, either
- *  may be NULL when not wanted; a side without anything is an empty shell (0 triangles). A value of exactly 0 puts the
- *  cut through the vertex itself. PITH_BAD_ARGUMENT for values that are not finite. O(tets), parallel. */
+ *  touching the part: shells of the negative and of the positive side, each closed and watertight, either may be NULL
+ *  when not wanted; a side without anything is an empty shell (0 triangles). A value of exactly 0 puts the cut through
+ *  the vertex itself; a tet whose values are all 0 counts as positive. Closed means: every edge is used as often in one
+ *  direction as in the other, once each but where a side touches itself along an edge.
+ *  An iso-surface of a field is this call with the level taken off the values.
+ *  PITH_BAD_ARGUMENT for values that are not finite. O(tets), parallel. */
 pith_status pith_part_cut(const pith_part *part, const double *values, pith_shell **negative, pith_shell **positive,
                           pith_error *err);
 /** Splits the part into two along the same zero: every crossed tet is divided into tets of either side, consistently
- *  across faces, so that either part can be cut again. Empty sides give parts with 0 tets. */
+ *  across faces (Dompierre et al. 1999), so that either part can be cut again; either may be NULL when not wanted. Cut
+ *  points within 1e-9 of an edge's length (or 1e-11 of the model's diagonal) of a vertex go through the vertex, to keep
+ *  out slivers. Empty sides give parts with 0 tets. O(tets). */
 pith_status pith_part_split(const pith_part *part, const double *values, pith_part **negative, pith_part **positive,
                             pith_error *err);
 /** Signed distances (model units) of the part's vertices to a plane; values [vertex_count].

@@ -1,0 +1,116 @@
+/* What the files of the cut room share: how a part and a shell are stored, and the march that finds where the zero of a
+   function passes. */
+#ifndef PITH_CUT_INTERNAL_H
+#define PITH_CUT_INTERNAL_H
+
+#include "pith/cut.h"
+
+struct pith_part {
+    pith_vec3 *positions, *material;
+    uint32_t (*tets)[4];
+    uint32_t *source_tet;
+    uint8_t *faces;         /* [tet_count] two bits a face, see cut_face_code: one byte a tet tells the whole boundary */
+    uint32_t vertex_count, tet_count;
+};
+
+struct pith_shell {
+    pith_vec3 *positions, *material;
+    uint32_t (*triangles)[3];
+    uint32_t *source_tet;
+    uint8_t *kinds;
+    uint32_t vertex_count, triangle_count;
+};
+
+/* Corners of the face opposite corner k, counter-clockwise seen from outside a tet of positive volume. */
+extern const uint8_t cut_face_corners[4][3];
+
+/* 0: between two tets; 1 + pith_face_kind: on the boundary. */
+static inline unsigned cut_face_code(uint8_t faces, unsigned k) { return (faces >> (2 * k)) & 3u; }
+static inline uint8_t cut_face_bits(unsigned code, unsigned k) { return (uint8_t)(code << (2 * k)); }
+
+enum { CUT_NEGATIVE, CUT_POSITIVE, CUT_SIDES };
+
+/* -1, 0 or 1 per vertex: the only thing that decides topology. Values are read again only to place a cut point on an
+   edge whose ends are strictly on either side. */
+typedef int8_t cut_sign;
+
+/* A tet lies on one side unless it has vertices strictly on both. One that is zero everywhere counts as positive. */
+static inline bool cut_crossed(const cut_sign s[4])
+{
+    return (s[0] < 0 || s[1] < 0 || s[2] < 0 || s[3] < 0) && (s[0] > 0 || s[1] > 0 || s[2] > 0 || s[3] > 0);
+}
+static inline unsigned cut_side(const cut_sign s[4])
+{
+    return s[0] < 0 || s[1] < 0 || s[2] < 0 || s[3] < 0 ? CUT_NEGATIVE : CUT_POSITIVE;
+}
+static inline unsigned cut_zeros(const cut_sign s[4])
+{
+    return (unsigned)((s[0] == 0) + (s[1] == 0) + (s[2] == 0) + (s[3] == 0));
+}
+
+/* Cut points, one per crossed edge, found again by the edge (open addressing on lower << 32 | higher end). */
+typedef struct cut_edges {
+    uint64_t *keys;             /* [mask + 1]; 0: empty, which no edge is because the higher end is never 0 */
+    uint32_t *points;           /* [mask + 1] */
+    size_t mask;
+    uint32_t (*ends)[2];        /* [count] lower and higher end */
+    uint32_t count;
+    size_t capacity;
+} cut_edges;
+
+/* A face that lies wholly in the zero set, between a tet of the negative and one of the positive side. */
+typedef struct cut_zero_face {
+    uint32_t tet[CUT_SIDES];
+    uint8_t corner[CUT_SIDES];
+} cut_zero_face;
+
+/* Where the zero passes. Vertices of the results are named by codes: below part->vertex_count a vertex of the part,
+   else the cut point of that number behind it. */
+typedef struct cut_march {
+    const pith_part *part;
+    const double *values;
+    cut_sign *signs;            /* [vertex_count] */
+    uint32_t *active;           /* [active_count] tets that are crossed, touch the zero with a face or the boundary */
+    uint32_t active_count;
+    cut_edges edges;
+    cut_zero_face *zero_faces;
+    uint32_t zero_face_count;
+} cut_march;
+
+/* Finds signs, active tets and zero faces; with `snap`, cut points that would fall very near a vertex go through it.
+   On failure nothing is left allocated. */
+pith_status cut_march_begin(cut_march *march, const pith_part *part, const double *values, bool snap, pith_error *err);
+void cut_march_end(cut_march *march);
+static inline void cut_tet_signs(const cut_march *march, uint32_t tet, cut_sign s[4])
+{
+    for (int k = 0; k < 4; ++k) s[k] = march->signs[march->part->tets[tet][k]];
+}
+
+/* Up to four vertex codes round a convex face; count below 3: nothing there. */
+typedef struct cut_polygon { uint32_t v[4]; uint32_t count; } cut_polygon;
+
+/* The section of a crossed tet, counter-clockwise seen from the positive side. */
+pith_status cut_march_section(cut_march *march, uint32_t tet, cut_polygon *polygon, pith_error *err);
+/* The piece of the face opposite corner k of a tet that lies on `side`, turned as the face is. */
+pith_status cut_march_clip(cut_march *march, uint32_t tet, unsigned k, unsigned side, cut_polygon *polygon,
+                           pith_error *err);
+/* Position and material coordinates of a vertex code. */
+void cut_march_vertex(const cut_march *march, uint32_t code, pith_vec3 *position, pith_vec3 *material);
+
+/* Triangles gathered under vertex codes before a shell is made of them. */
+typedef struct cut_triangle { uint32_t v[3]; uint32_t source_tet; uint8_t kind; } cut_triangle;
+typedef struct cut_soup {
+    cut_triangle *items;
+    size_t count, capacity;
+} cut_soup;
+pith_status cut_soup_add(cut_soup *soup, const cut_triangle *triangle, pith_error *err);
+
+/* Gives every used code a vertex, in order of first use. codes: how many codes there are. The march may be NULL, then
+   codes are vertices of the part. */
+pith_status cut_shell_make(const pith_part *part, const cut_march *march, const cut_soup *soup, pith_shell **shell,
+                           pith_error *err);
+
+/* A part with its arrays allocated and empty. */
+pith_status cut_part_new(uint32_t vertex_count, uint32_t tet_count, pith_part **part, pith_error *err);
+
+#endif

@@ -1,0 +1,203 @@
+/* Splitting a part in two: every crossed tet is divided into tets on either side.
+
+   Source: Dompierre, Labbé, Vallet, Camarero, "How to subdivide pyramids, prisms and hexahedra into tetrahedra", 8th
+   International Meshing Roundtable, 1999.
+
+   Each side of a crossed tet is a convex cell with at most six vertices: a tet, a pyramid or a prism. The cell is coned
+   from its vertex of lowest number over the faces that do not contain it, each face fanned from its own vertex of lowest
+   number. How a face is divided depends on nothing but its vertices' numbers, so the tets on its two sides agree, and no
+   vertex is added. Orientation and adjacency come from the cell, never from computed volumes: pieces as thin as rounding
+   stay in place, and everything stays closed through any number of splits. */
+#include "cut_internal.h"
+
+/* The faces of a cell, outward, and what each is: a face code (0 inner, 1 + pith_face_kind). */
+typedef struct cell {
+    cut_polygon faces[5];
+    unsigned codes[5];
+    unsigned count;
+} cell;
+
+typedef struct piece { uint32_t v[4]; uint32_t source_tet; uint8_t faces; } piece;
+typedef struct pieces {
+    piece *items;
+    size_t count, capacity;
+} pieces;
+
+static pith_status add_piece(pieces *list, const piece *p, pith_error *err)
+{
+    if (list->count == list->capacity &&
+        !pith_grow((void **)&list->items, &list->capacity, list->count + 1, sizeof *list->items))
+        return PITH_OUT_OF_MEMORY(err, "the tets of a split part");
+    list->items[list->count++] = *p;
+    return PITH_OK;
+}
+
+static bool has_vertex(const cut_polygon *polygon, uint32_t v)
+{
+    for (uint32_t i = 0; i < polygon->count; ++i)
+        if (polygon->v[i] == v) return true;
+    return false;
+}
+
+/* The code of the cell's face that the triangle lies in; two faces share at most an edge, so there is one at most. */
+static unsigned code_of(const cell *c, uint32_t v0, uint32_t v1, uint32_t v2)
+{
+    for (unsigned i = 0; i < c->count; ++i)
+        if (has_vertex(&c->faces[i], v0) && has_vertex(&c->faces[i], v1) && has_vertex(&c->faces[i], v2))
+            return c->codes[i];
+    return 0;
+}
+
+static uint32_t lowest_place(const cut_polygon *polygon)
+{
+    uint32_t at = 0;
+    for (uint32_t i = 1; i < polygon->count; ++i)
+        if (polygon->v[i] < polygon->v[at]) at = i;
+    return at;
+}
+
+static pith_status cone_cell(const cell *c, uint32_t source, pieces *list, pith_error *err)
+{
+    uint32_t apex = PITH_NONE;
+    for (unsigned i = 0; i < c->count; ++i)
+        for (uint32_t j = 0; j < c->faces[i].count; ++j)
+            if (c->faces[i].v[j] < apex) apex = c->faces[i].v[j];
+    for (unsigned i = 0; i < c->count; ++i) {
+        const cut_polygon *face = &c->faces[i];
+        if (has_vertex(face, apex)) continue;
+        const uint32_t first = lowest_place(face), n = face->count;
+        for (uint32_t j = 1; j + 1 < n; ++j) {
+            piece p = { { apex, face->v[first], face->v[(first + j) % n], face->v[(first + j + 1) % n] }, source, 0 };
+            for (unsigned k = 0; k < 4; ++k) {
+                const uint8_t *f = cut_face_corners[k];
+                p.faces |= cut_face_bits(code_of(c, p.v[f[0]], p.v[f[1]], p.v[f[2]]), k);
+            }
+            PITH_TRY(add_piece(list, &p, err));
+        }
+    }
+    return PITH_OK;
+}
+
+/* The cell of one side of a crossed tet: the tet's faces clipped, closed by the section. */
+static pith_status side_cell(cut_march *march, uint32_t tet, unsigned side, const cut_polygon *section, cell *c,
+                             pith_error *err)
+{
+    c->count = 0;
+    for (unsigned k = 0; k < 4; ++k) {
+        cut_polygon *face = &c->faces[c->count];
+        PITH_TRY(cut_march_clip(march, tet, k, side, face, err));
+        if (face->count < 3) continue;
+        c->codes[c->count++] = cut_face_code(march->part->faces[tet], k);
+    }
+    cut_polygon *lid = &c->faces[c->count];
+    lid->count = section->count;
+    for (uint32_t i = 0; i < section->count; ++i)
+        lid->v[i] = section->v[side == CUT_NEGATIVE ? i : section->count - 1 - i];
+    c->codes[c->count++] = 1 + PITH_SECTION;
+    return PITH_OK;
+}
+
+/* All tets of both sides under vertex codes, in the order of the tets they come from; at: [tet_count] where the piece
+   of a tet that stays whole is. */
+static pith_status divide(cut_march *march, pieces sides[CUT_SIDES], uint32_t *at, pith_error *err)
+{
+    const pith_part *part = march->part;
+    for (uint32_t t = 0; t < part->tet_count; ++t) {
+        const uint32_t *v = part->tets[t], source = part->source_tet[t];
+        cut_sign s[4];
+        cut_tet_signs(march, t, s);
+        if (!cut_crossed(s)) {
+            const piece whole = { { v[0], v[1], v[2], v[3] }, source, part->faces[t] };
+            pieces *side = &sides[cut_side(s)];
+            at[t] = (uint32_t)side->count;
+            PITH_TRY(add_piece(side, &whole, err));
+            continue;
+        }
+        cut_polygon section;
+        PITH_TRY(cut_march_section(march, t, &section, err));
+        for (unsigned side = 0; side < CUT_SIDES; ++side) {
+            cell c;
+            PITH_TRY(side_cell(march, t, side, &section, &c, err));
+            PITH_TRY(cone_cell(&c, source, &sides[side], err));
+        }
+    }
+    return PITH_OK;
+}
+
+/* Faces in the zero set between two whole tets become section on both sides. */
+static void mark_zero_faces(const cut_march *march, const uint32_t *at, pieces sides[CUT_SIDES])
+{
+    for (uint32_t i = 0; i < march->zero_face_count; ++i)
+        for (unsigned side = 0; side < CUT_SIDES; ++side) {
+            const cut_zero_face *face = &march->zero_faces[i];
+            sides[side].items[at[face->tet[side]]].faces |= cut_face_bits(1 + PITH_SECTION, face->corner[side]);
+        }
+}
+
+/* A part of its own from one side's pieces, its vertices in the order of their codes. */
+static pith_status make_part(const cut_march *march, const pieces *list, pith_part **part, pith_error *err)
+{
+    if (list->count >= PITH_NONE)
+        return pith_fail(err, PITH_BAD_ARGUMENT, "the split part would have %zu tets; indices end at %u", list->count,
+                         (unsigned)PITH_NONE);
+    pith_status status = PITH_OK;
+    const size_t codes = (size_t)march->part->vertex_count + march->edges.count;
+    uint32_t *number = pith_alloc(codes, sizeof *number);
+    if (!number) {
+        status = PITH_OUT_OF_MEMORY(err, "numbering a split part's vertices");
+        goto done;
+    }
+    for (size_t i = 0; i < list->count; ++i)
+        for (int k = 0; k < 4; ++k) number[list->items[i].v[k]] = 1;
+    uint32_t vertex_count = 0;
+    for (size_t i = 0; i < codes; ++i)
+        if (number[i]) number[i] = ++vertex_count;
+
+    pith_part *p;
+    PITH_TRY_OR(done, cut_part_new(vertex_count, (uint32_t)list->count, &p, err));
+    for (size_t i = 0; i < codes; ++i)
+        if (number[i])
+            cut_march_vertex(march, (uint32_t)i, &p->positions[number[i] - 1], &p->material[number[i] - 1]);
+    for (size_t i = 0; i < list->count; ++i) {
+        for (int k = 0; k < 4; ++k) p->tets[i][k] = number[list->items[i].v[k]] - 1;
+        p->source_tet[i] = list->items[i].source_tet;
+        p->faces[i] = list->items[i].faces;
+    }
+    *part = p;
+done:
+    pith_free(number);
+    return status;
+}
+
+pith_status pith_part_split(const pith_part *part, const double *values, pith_part **negative, pith_part **positive,
+                            pith_error *err)
+{
+    if (!part || !values)
+        return pith_fail(err, PITH_BAD_ARGUMENT, "pith_part_split: %s is NULL", part ? "values" : "part");
+    cut_march march;
+    PITH_TRY(cut_march_begin(&march, part, values, true, err));
+
+    pith_status status = PITH_OK;
+    pieces sides[CUT_SIDES] = { { 0 }, { 0 } };
+    pith_part *parts[CUT_SIDES] = { NULL, NULL };
+    pith_part **const outs[CUT_SIDES] = { negative, positive };
+    uint32_t *at = pith_alloc(part->tet_count, sizeof *at);
+    if (!at) {
+        status = PITH_OUT_OF_MEMORY(err, "tets that stay whole");
+        goto done;
+    }
+    PITH_TRY_OR(done, divide(&march, sides, at, err));
+    mark_zero_faces(&march, at, sides);
+    for (unsigned side = 0; side < CUT_SIDES; ++side)
+        if (outs[side]) PITH_TRY_OR(done, make_part(&march, &sides[side], &parts[side], err));
+
+done:
+    for (unsigned side = 0; side < CUT_SIDES; ++side) {
+        if (status != PITH_OK) pith_part_destroy(parts[side]);
+        else if (outs[side]) *outs[side] = parts[side];
+        pith_free(sides[side].items);
+    }
+    pith_free(at);
+    cut_march_end(&march);
+    return status;
+}
