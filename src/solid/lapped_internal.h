@@ -1,0 +1,184 @@
+/* Lapped solids from the inside: what the files lapped_*.c share.
+ *
+ *  lapped_mask.c      the three splotch masks and bounds over boxes of texture space
+ *  lapped_frames.c    what the fill precomputes per tet: frame, scale, confidence; the mesh's edges
+ *  lapped_clump.c     growing a clump round a seed, with texture coordinates carried along
+ *  lapped_optimise.c  texture optimisation: least squares over a clump by conjugate gradients
+ *  lapped_fill.c      the loop: seeds, patches in parallel, coverage, the finished solid
+ *  lapped_sample.c    asking the solid
+ *  lapped_store.c     patches as bytes
+ *
+ *  Texture space is (r, s, t): r and t are solved for (called u and v here), s is the depth. A patch's own coordinates
+ *  have the splotch round (½, ·, ½); the exemplar is looked up at (u + offset[0], s, v + offset[1]), wrapped. */
+#ifndef PITH_LAPPED_INTERNAL_H
+#define PITH_LAPPED_INTERNAL_H
+
+#include "solid_kind.h"
+
+/* ---- masks ------------------------------------------------------------------------------------------------------ */
+
+enum { MASK_SIZE = 48, MASK_BLOCK = 3, MASK_BLOCKS = MASK_SIZE / MASK_BLOCK, MASK_KINDS = 3 };
+enum { MASK_OUTER, MASK_MIDDLE, MASK_INNER };
+
+typedef struct lapped_masks {
+    /* [kind][t][s][r], cell-centred over [0,1]³; 255 is opaque. The cells at the border of r and t are 0. */
+    uint8_t alpha[MASK_KINDS][MASK_SIZE][MASK_SIZE][MASK_SIZE];
+    /* Least and greatest alpha any point of a block (3 cells wide) can get by trilinear lookup. */
+    uint8_t least[MASK_KINDS][MASK_BLOCKS][MASK_BLOCKS][MASK_BLOCKS];
+    uint8_t greatest[MASK_KINDS][MASK_BLOCKS][MASK_BLOCKS][MASK_BLOCKS];
+} lapped_masks;
+
+void lapped_masks_make(lapped_masks *masks, const pith_lapped_options *options);
+/* Which mask a patch centred at this depth takes: a third of the range each. */
+int lapped_mask_kind(double depth);
+/* Bounds of alpha over the box of texture coordinates low..high (r, s, t). */
+void lapped_mask_bounds(const lapped_masks *masks, int kind, const double low[3], const double high[3], int *least,
+                        int *greatest);
+
+/* Trilinear alpha 0..1 at (r, s, t); 0 where r or t leave [0,1]; exactly 1 where all eight cells are opaque. */
+static inline float lapped_mask_alpha(const lapped_masks *masks, int kind, float r, float s, float t)
+{
+    if (!(r > 0.0f && r < 1.0f && t > 0.0f && t < 1.0f)) return 0.0f;
+    const float top = MASK_SIZE - 1;
+    float x = r * MASK_SIZE - 0.5f, y = s * MASK_SIZE - 0.5f, z = t * MASK_SIZE - 0.5f;
+    x = x < 0.0f ? 0.0f : x > top ? top : x;
+    y = y < 0.0f ? 0.0f : y > top ? top : y;
+    z = z < 0.0f ? 0.0f : z > top ? top : z;
+    int i = (int)x, j = (int)y, k = (int)z;
+    i -= i == MASK_SIZE - 1, j -= j == MASK_SIZE - 1, k -= k == MASK_SIZE - 1;
+    x -= (float)i, y -= (float)j, z -= (float)k;
+    const uint8_t *c = &masks->alpha[kind][k][j][i];
+    enum { DS = MASK_SIZE, DT = MASK_SIZE * MASK_SIZE };
+    const float a = (float)c[0] + x * (float)(c[1] - c[0]), b = (float)c[DS] + x * (float)(c[DS + 1] - c[DS]);
+    const float d = (float)c[DT] + x * (float)(c[DT + 1] - c[DT]);
+    const float e = (float)c[DT + DS] + x * (float)(c[DT + DS + 1] - c[DT + DS]);
+    const float near = a + y * (b - a), far = d + y * (e - d), value = near + z * (far - near);
+    return value >= 255.0f ? 1.0f : value * (1.0f / 255.0f);
+}
+
+/* ---- what the fill knows of every tet --------------------------------------------------------------------------- */
+
+typedef struct lapped_tet {
+    pith_vec3 primary;      /* unit, along growing depth */
+    pith_vec3 secondary;    /* unit, perpendicular (type 1-B) */
+    double scale;           /* edge of the texture cube in model units */
+    double confidence;      /* 0..1: how well the depth gradient is determined here; weight in the optimisation */
+} lapped_tet;
+
+typedef struct lapped_context {
+    pith_tets_view tets;
+    const double *depth;        /* [vertex_count] */
+    const pith_lapped_options *options;
+    lapped_tet *frames;         /* [tet_count] */
+    uint32_t (*tet_edges)[6];   /* [tet_count] edge numbers in the order 01 02 03 12 13 23 */
+    uint32_t edge_count;
+    lapped_masks *masks;
+    double cos_limit;           /* of the angle limit */
+} lapped_context;
+
+static const uint8_t lapped_edge_corners[6][2] = { { 0, 1 }, { 0, 2 }, { 0, 3 }, { 1, 2 }, { 1, 3 }, { 2, 3 } };
+
+pith_status lapped_context_make(const pith_lapped_input *input, const pith_lapped_options *options,
+                                lapped_context *context, pith_error *err);
+void lapped_context_free(lapped_context *context);
+
+/* ---- one patch in the making ------------------------------------------------------------------------------------ */
+
+typedef struct lapped_seed {
+    uint32_t tet;
+    float weights[4];       /* where in the tet the patch is centred */
+    int mask;
+    pith_vec3 direction;    /* type 1-A: the patch's random vector */
+    float offset[2];        /* of the exemplar lookup along r and t */
+} lapped_seed;
+
+/* Frame of a tet as the patch sees it: secondary is the field's (1-B) or the patch's random vector made perpendicular
+   (1-A); tertiary = primary × secondary is the texture's r axis, primary s, secondary t. */
+typedef struct lapped_axes { pith_vec3 r, s, t; } lapped_axes;
+
+typedef struct lapped_workspace {
+    /* Which tets and vertices the present clump holds: those whose stamp is the present one. Edges have a stamp of their
+       own, because a clump is optimised more than once. */
+    uint32_t *tet_stamp, *vertex_stamp, *edge_stamp;
+    uint32_t *vertex_local, *edge_local;
+    uint32_t stamp, optimisation;
+
+    /* The clump: tets in order of growth, their corners as local vertices. */
+    uint32_t *tets;
+    uint32_t (*corners)[4];
+    size_t tet_count, tet_capacity, corner_capacity;
+    uint32_t *vertices;     /* global number of each local vertex */
+    double (*uv)[2];        /* texture coordinates r and t */
+    uint8_t *fade;          /* 0 at vertices where the clump had to end inside the mask, else 1 */
+    size_t vertex_count, vertices_capacity, uv_capacity, fade_capacity;
+    size_t front;           /* tets before this one have been looked around */
+    uint32_t rounds;        /* of re-growing */
+
+    /* The optimisation's matrix (a graph Laplacian over local edges) and vectors. */
+    uint32_t (*edges)[2];
+    double *edge_weights;
+    size_t edge_count, edges_capacity, weights_capacity;
+    uint32_t *row_start, *columns;
+    double *values, *diagonal;
+    double (*rhs)[2], (*residual)[2], (*direction)[2], (*product)[2];
+    size_t row_capacity, column_capacity, value_capacity, diagonal_capacity;
+    size_t rhs_capacity, residual_capacity, direction_capacity, product_capacity;
+
+    lapped_seed seed;
+    pith_status status;     /* of the last lapped_patch_make */
+} lapped_workspace;
+
+pith_status lapped_workspace_make(const lapped_context *context, lapped_workspace *work, pith_error *err);
+void lapped_workspace_free(lapped_workspace *work);
+
+lapped_axes lapped_axes_of(const lapped_context *context, const lapped_seed *seed, uint32_t tet);
+/* Starts a clump at the seed, and grows it until it covers the mask as far as its texture coordinates tell. Growing
+   again later continues from the present coordinates. Both return false when memory is out. */
+bool lapped_clump_start(const lapped_context *context, lapped_workspace *work);
+bool lapped_clump_grow(const lapped_context *context, lapped_workspace *work);
+/* Marks the vertices where the clump ended inside the mask. */
+void lapped_clump_fade(const lapped_context *context, lapped_workspace *work);
+/* Moves the texture coordinates to the least-squares optimum, the seed's centre staying at (½, ½). */
+bool lapped_clump_optimise(const lapped_context *context, lapped_workspace *work);
+/* The whole construction of one patch from work->seed: grow, optimise, re-grow. */
+bool lapped_patch_make(const lapped_context *context, lapped_workspace *work);
+
+/* ---- the finished solid ------------------------------------------------------------------------------------------- */
+
+typedef struct lapped_entry {
+    float uv[4][2];         /* at the tet's corners, in the tet's order */
+    uint32_t patch;
+    uint8_t fade[4];        /* 0 or 1 */
+} lapped_entry;
+
+typedef struct lapped_patch {
+    float offset[2];
+    uint32_t mask;
+    uint32_t seed_tet;
+    float direction[3];     /* type 1-A's random vector, else zeros */
+} lapped_patch;
+
+typedef struct lapped_solid {
+    pith_solid base;
+    const pith_tets *tets_owner;
+    pith_tets_view tets;
+    pith_locator *locator;
+    double outside2;        /* squared distance beyond which a point is outside */
+    double *depth;          /* [vertex_count] our copy */
+    lapped_masks *masks;
+    pith_lapped_options options;
+    uint32_t exemplar_size[3];
+    float *exemplar;        /* [t][s][r][channels], at least 4 channels */
+    lapped_patch *patches;
+    uint32_t patch_count;
+    uint32_t *entry_start;  /* [tet_count + 1] */
+    lapped_entry *entries;  /* topmost patch first within a tet */
+} lapped_solid;
+
+extern const pith_solid_class lapped_class;
+/* Everything but patches and entries: copies depth and exemplar, makes masks and locator. */
+pith_status lapped_solid_make(const pith_tets *tets, const double *depth, const pith_grid *exemplar,
+                              const pith_lapped_options *options, lapped_solid **solid, pith_error *err);
+pith_status lapped_check_exemplar(const pith_grid *exemplar, pith_error *err);
+
+#endif

@@ -1,0 +1,24 @@
+/* What a kind of solid implements. A new kind is one file (or a few) that fills a pith_solid_class, and a creating
+   function in pith/solid.h; whoever asks never sees the difference. */
+#ifndef PITH_SOLID_KIND_H
+#define PITH_SOLID_KIND_H
+
+#include "pith/solid.h"
+
+/* Most points a kind is asked in one go; kinds may keep scratch of this size on the stack. */
+enum { SOLID_BLOCK = 512 };
+
+typedef struct pith_solid_class {
+    const char *kind;
+    /* Answers query->count <= SOLID_BLOCK points into out [count][channels]; called concurrently, allocates nothing. */
+    void (*sample)(const pith_solid *solid, const pith_query *query, float *out);
+    void (*destroy)(pith_solid *solid); /* frees everything including the solid itself */
+} pith_solid_class;
+
+/* Every kind's struct begins with this. */
+struct pith_solid {
+    const pith_solid_class *class;
+    uint32_t channels; /* >= 4 */
+};
+
+#endif
