@@ -10,16 +10,19 @@
 typedef struct pith_ramp_stop { double depth; float colour[3]; } pith_ramp_stop; /* linear RGB */
 
 /** Periodic gradient noise that shifts the colour towards `colour` by amount * noise. Long features along one axis make
- *  fibres, rays or rings. */
+ *  fibres, rays or rings. Along r and t a whole number of features fits the exemplar: the size is rounded to 1/n, and
+ *  above 2 the noise does not vary along that axis at all. No feature is finer than two voxels. */
 typedef struct pith_noise_layer {
-    double size_r, size_s, size_t_; /* feature size along r, s, t in texture units; rounded so that r and t tile */
+    double size_r, size_s, size_t_; /* feature size along r, s, t in texture units */
     double amount;                  /* 0..1 how far towards colour where the noise is strongest */
+    double coverage;                /* 0..1 share of the volume that leans towards colour; ½ as much as not */
     double sharpness;               /* 0 soft … 1 nearly two-valued */
-    double depth_low, depth_high;   /* range of s in which the layer acts; fades over `fade` at both ends */
-    double fade;
+    double depth_low, depth_high;   /* range of s in which the layer acts; fades inwards over `fade` at both ends, but */
+    double fade;                    /* not at an end that is 0 or 1 */
     double warp;                    /* moves the depth at which colours are looked up by up to this much instead of
                                        colouring, when > 0: uneven borders between layers */
-    float colour[3];
+    double displacement;            /* added to the displacement channel where the noise is strongest */
+    float colour[3];                /* linear RGB */
     uint32_t octaves;               /* 1..6 */
 } pith_noise_layer;
 
@@ -27,15 +30,17 @@ typedef struct pith_noise_layer {
 typedef struct pith_particle_layer {
     double radius_r, radius_s, radius_t; /* half axes, texture units */
     double size_variation;          /* 0..1 random shrinking */
-    double density;                 /* wanted number in the exemplar */
-    double spacing;                 /* least distance between centres, in units of the mean radius; 0: none */
+    double density;                 /* wanted number in the exemplar; fewer when `spacing` leaves no room */
+    double spacing;                 /* least distance between centres, each axis in units of its half axis: 2 lets
+                                       particles touch, 0 lets them overlap */
     double depth_low, depth_high;   /* range of s of the centres */
     double tilt;                    /* degrees of random tilt */
     double taper;                   /* 0 ellipsoid … 1 drop, pointed towards the inside (growing s) */
-    double softness;                /* width of the edge in units of the radius */
-    float colour[3], core_colour[3];/* at the rim and in the middle */
+    double softness;                /* width of the edge in units of the radius; never below a voxel */
+    float colour[3], core_colour[3];/* at the rim and in the middle, linear RGB */
     double colour_variation;        /* 0..1 random darkening per particle */
     double halo;                    /* 0..1 strength of a pale rim blended around the particle */
+    double halo_width;              /* how far the halo reaches, in units of the radius */
     float halo_colour[3];
     double displacement;            /* added to the displacement channel inside the particle */
 } pith_particle_layer;
@@ -56,11 +61,15 @@ typedef struct pith_layered_recipe {
 /** Tables for the three plain structs above, so that documents, help and checks say the same. */
 extern const pith_params pith_noise_layer_params, pith_particle_layer_params;
 
-/** Makes the exemplar: 4 channels, or 5 when a particle layer has displacement. Deterministic from the seed, same bytes
- *  for any thread count, tiles exactly along r and t. PITH_BAD_ARGUMENT names the entry at fault. */
+/** Makes the exemplar: 4 channels (linear RGB and alpha 1), or 5 when a layer has displacement. Laid down in this order:
+ *  warps of the depth, ramp, strip, colouring noises, particles. Deterministic from the seed, same bytes for any thread
+ *  count, tiles exactly along r and t. Values are those at cell centres, s = (j + ½) / size_s: a skin one voxel thick is
+ *  row j = 0. PITH_BAD_ARGUMENT names the entry at fault, e.g. "noises[2]: amount is 3, ...".
+ *  Cost: O(voxels * octaves of all noises), and for each particle its own voxels. */
 pith_status pith_exemplar_layered(const pith_layered_recipe *recipe, pith_grid **exemplar, pith_error *err);
 
-/** Largest seam of a grid along r and t: greatest step across the border over the greatest step inside; <= 1 tiles. */
+/** Largest seam of a grid along r and t: greatest step of any channel between neighbours across the border, over the
+ *  greatest step inside; <= 1 tiles. 0 when there is no step at the border; infinite when there is one only there. */
 double pith_exemplar_seam(const pith_grid *exemplar);
 
 #endif

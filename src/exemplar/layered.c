@@ -1,0 +1,318 @@
+/* Layered exemplars by hand: Takayama, "Volumetric Modeling of Solid Objects with Layered Textures" 2011, App. A.3, and
+   Takayama, Okabe, Ijiri, Igarashi, "Lapped Solid Textures", ACM TOG 27(3), 2008, section 5: a strip of colours swept
+   through the volume, some noise, a few particles. */
+#include "exemplar_internal.h"
+
+#include <string.h>
+
+#define STREAM_NOISE UINT64_C(0x100000000)    /* seeds of noises and streams of particles must not meet */
+#define STREAM_PARTICLES UINT64_C(0x200000000)
+
+/* ---- refusals ------------------------------------------------------------------------------------------------ */
+
+static bool is_colour(const float colour[3])
+{
+    for (int c = 0; c < 3; ++c)
+        if (!(colour[c] >= 0.0f && colour[c] <= 1.0f)) return false;
+    return true;
+}
+
+static pith_status check_stops(const pith_layered_recipe *recipe, pith_error *err)
+{
+    if (recipe->stop_count == 0 && !recipe->strip)
+        return pith_fail(err, PITH_BAD_ARGUMENT, "stops: there are none, and no strip; give at least one colour");
+    for (size_t i = 0; i < recipe->stop_count; ++i) {
+        const pith_ramp_stop *stop = &recipe->stops[i];
+        if (!(stop->depth >= 0.0 && stop->depth <= 1.0))
+            return pith_fail(err, PITH_BAD_ARGUMENT, "stops[%zu]: depth is %g, expected 0 (outside) to 1", i, stop->depth);
+        if (i && !(stop->depth >= stop[-1].depth))
+            return pith_fail(err, PITH_BAD_ARGUMENT, "stops[%zu]: depth %g lies before %g of the stop above; sort them", i,
+                             stop->depth, stop[-1].depth);
+        if (!is_colour(stop->colour))
+            return pith_fail(err, PITH_BAD_ARGUMENT, "stops[%zu]: colour is not within 0 to 1", i);
+    }
+    return PITH_OK;
+}
+
+static pith_status check_layer(const char *kind, size_t index, const pith_params *table, const void *layer,
+                               double depth_low, double depth_high, bool colours, pith_error *err)
+{
+    const pith_status status = pith_params_check(table, layer, err);
+    if (status != PITH_OK) return pith_fail_in(err, status, "%s[%zu]", kind, index);
+    if (!(depth_low <= depth_high))
+        return pith_fail(err, PITH_BAD_ARGUMENT, "%s[%zu]: depth_low %g lies beyond depth_high %g", kind, index, depth_low,
+                         depth_high);
+    if (!colours) return pith_fail(err, PITH_BAD_ARGUMENT, "%s[%zu]: a colour is not within 0 to 1", kind, index);
+    return PITH_OK;
+}
+
+static pith_status check_recipe(const pith_layered_recipe *recipe, pith_error *err)
+{
+    const uint32_t sizes[3] = { recipe->size_r, recipe->size_s, recipe->size_t_ };
+    for (int axis = 0; axis < 3; ++axis)
+        if (sizes[axis] < 8 || sizes[axis] > 256)
+            return pith_fail(err, PITH_BAD_ARGUMENT, "size: %u voxels along %c, expected 8 to 256", (unsigned)sizes[axis],
+                             "rst"[axis]);
+    PITH_TRY(check_stops(recipe, err));
+    if (!(recipe->strip_blend >= 0.0 && recipe->strip_blend <= 1.0))
+        return pith_fail(err, PITH_BAD_ARGUMENT, "strip_blend is %g, expected 0 (only the ramp) to 1", recipe->strip_blend);
+    for (size_t i = 0; i < recipe->noise_count; ++i) {
+        const pith_noise_layer *l = &recipe->noises[i];
+        PITH_TRY(check_layer("noises", i, &pith_noise_layer_params, l, l->depth_low, l->depth_high, is_colour(l->colour),
+                             err));
+    }
+    for (size_t i = 0; i < recipe->particle_count; ++i) {
+        const pith_particle_layer *l = &recipe->particles[i];
+        const bool colours = is_colour(l->colour) && is_colour(l->core_colour) && is_colour(l->halo_colour);
+        PITH_TRY(check_layer("particles", i, &pith_particle_layer_params, l, l->depth_low, l->depth_high, colours, err));
+    }
+    return PITH_OK;
+}
+
+/* ---- ramp and strip ------------------------------------------------------------------------------------------ */
+
+/* Linear between stops, constant beyond the first and last. */
+static void ramp_at(const pith_ramp_stop *stops, size_t count, double s, float colour[3])
+{
+    size_t next = 0;
+    while (next < count && stops[next].depth <= s) ++next;
+    const pith_ramp_stop *low = &stops[next ? next - 1 : 0], *high = &stops[next < count ? next : count - 1];
+    const double width = high->depth - low->depth;
+    const float w = width > 0.0 ? (float)((s - low->depth) / width) : 0.0f;
+    for (int c = 0; c < 3; ++c) colour[c] = low->colour[c] + w * (high->colour[c] - low->colour[c]);
+}
+
+/* A photograph's pixel as RGBA; outside the picture its border. */
+static void strip_pixel(const pith_image *strip, int64_t x, int64_t y, float pixel[4])
+{
+    const int64_t w = strip->width, h = strip->height;
+    const float *p = strip->pixels + ((y < 0 ? 0 : y < h ? y : h - 1) * w + (x < 0 ? 0 : x < w ? x : w - 1)) * strip->channels;
+    const bool grey = strip->channels < 3;
+    for (int c = 0; c < 3; ++c) pixel[c] = p[grey ? 0 : c];
+    pixel[3] = strip->channels == 2 || strip->channels == 4 ? p[strip->channels - 1] : 1.0f;
+}
+
+/* Bilinear at pixel coordinates (centres at ½). */
+static void strip_at(const pith_image *strip, double x, double y, float out[4])
+{
+    const double fx = floor(x - 0.5), fy = floor(y - 0.5);
+    const float u = (float)(x - 0.5 - fx), v = (float)(y - 0.5 - fy);
+    float p[2][2][4];
+    for (int b = 0; b < 2; ++b)
+        for (int a = 0; a < 2; ++a) strip_pixel(strip, (int64_t)fx + a, (int64_t)fy + b, p[b][a]);
+    for (int c = 0; c < 4; ++c) {
+        const float low = p[0][0][c] + u * (p[0][1][c] - p[0][0][c]), high = p[1][0][c] + u * (p[1][1][c] - p[1][0][c]);
+        out[c] = low + v * (high - low);
+    }
+}
+
+/* The same with the ends cross-faded: the last fifth of the picture fades into what lies before the first column, so that
+   the period is four fifths of the width. x in periods, 0..1. */
+static void strip_periodic(const pith_image *strip, double x, double y, float out[4])
+{
+    const double overlap = 0.2 * strip->width, period = strip->width - overlap;
+    const double at = x * period;
+    strip_at(strip, at, y, out);
+    if (!(at < overlap)) return;
+    const float w = (float)(at / overlap);
+    float other[4];
+    strip_at(strip, at + period, y, other);
+    for (int c = 0; c < 4; ++c) out[c] = other[c] + w * (out[c] - other[c]);
+}
+
+/* The strip at the exemplar's resolution, [size_s][size_r] RGBA: the mean over each voxel's footprint, so that a large
+   photograph does not alias. */
+static pith_status strip_table(const pith_layered_recipe *recipe, float (**table)[4], pith_error *err)
+{
+    const pith_image *strip = recipe->strip;
+    const uint32_t n_r = recipe->size_r, n_s = recipe->size_s;
+    float(*made)[4] = pith_alloc((size_t)n_r * n_s, sizeof *made);
+    if (!made) return PITH_OUT_OF_MEMORY(err, "the strip");
+    const int across = (int)ceil((double)strip->width / n_r), down = (int)ceil((double)strip->height / n_s);
+#pragma omp parallel for num_threads(pith_threads()) schedule(static)
+    for (uint32_t j = 0; j < n_s; ++j)
+        for (uint32_t i = 0; i < n_r; ++i) {
+            double sum[4] = { 0 };
+            for (int b = 0; b < down; ++b)
+                for (int a = 0; a < across; ++a) {
+                    float pixel[4];
+                    strip_periodic(strip, (i + (a + 0.5) / across) / n_r, (j + (b + 0.5) / down) / n_s * strip->height,
+                                   pixel);
+                    for (int c = 0; c < 4; ++c) sum[c] += pixel[c];
+                }
+            for (int c = 0; c < 4; ++c) made[(size_t)j * n_r + i][c] = (float)(sum[c] / ((double)across * down));
+        }
+    *table = made;
+    return PITH_OK;
+}
+
+/* Mixes the strip's colour at column i and depth s over the ramp's. */
+static void blend_strip(const pith_layered_recipe *recipe, float (*table)[4], uint32_t i, double s, float colour[3])
+{
+    const uint32_t n_r = recipe->size_r, n_s = recipe->size_s;
+    const double y = fmin(fmax(s * n_s - 0.5, 0.0), n_s - 1.0);
+    const uint32_t row = (uint32_t)y, below = row + 1 < n_s ? row + 1 : row;
+    const float w = (float)(y - row), *a = table[(size_t)row * n_r + i], *b = table[(size_t)below * n_r + i];
+    const float blend = (float)(recipe->stop_count ? recipe->strip_blend : 1.0) * (a[3] + w * (b[3] - a[3]));
+    for (int c = 0; c < 3; ++c) colour[c] += blend * (a[c] + w * (b[c] - a[c]) - colour[c]);
+}
+
+/* ---- the volume ---------------------------------------------------------------------------------------------- */
+
+/* A recipe made ready: one noise and one throw of particles a layer. */
+typedef struct workshop {
+    const pith_layered_recipe *recipe;
+    float (*strip)[4];
+    noise *noises;              /* [noise_count] */
+    particle **particles;       /* [particle_count][counts] */
+    size_t *counts;
+    pith_grid *exemplar;
+} workshop;
+
+static double smooth(double x)
+{
+    x = fmin(fmax(x, 0.0), 1.0);
+    return x * x * (3.0 - 2.0 * x);
+}
+
+/* How much a layer acts at depth s, 0..1. */
+static double depth_window(const pith_noise_layer *l, double s)
+{
+    if (!(s >= l->depth_low && s <= l->depth_high)) return 0.0;
+    if (!(l->fade > 0.0)) return 1.0;
+    const double in = l->depth_low > 0.0 ? smooth((s - l->depth_low) / l->fade) : 1.0;
+    const double out = l->depth_high < 1.0 ? smooth((l->depth_high - s) / l->fade) : 1.0;
+    return fmin(in, out);
+}
+
+/* Noise of about -1..1 as a weight 0..1: coverage moves the middle, sharpness steepens it. */
+static double noise_weight(const pith_noise_layer *l, double value)
+{
+    const double half = 0.01 + 0.49 * (1.0 - l->sharpness);
+    const double v = 0.5 * value + l->coverage;
+    return smooth((v - 0.5 + half) / (2.0 * half));
+}
+
+/* One voxel of the layers without particles. */
+static void paint_voxel(const workshop *w, uint32_t i, uint32_t j, uint32_t k)
+{
+    const pith_layered_recipe *recipe = w->recipe;
+    const double r = (i + 0.5) / recipe->size_r, s = (j + 0.5) / recipe->size_s, t = (k + 0.5) / recipe->size_t_;
+    float *value = w->exemplar->values + (((size_t)k * recipe->size_s + j) * recipe->size_r + i) * w->exemplar->channels;
+
+    /* warps: from here on the place is looked up at `depth` */
+    double depth = s;
+    for (size_t n = 0; n < recipe->noise_count; ++n) {
+        const pith_noise_layer *l = &recipe->noises[n];
+        const double window = l->warp > 0.0 ? depth_window(l, s) : 0.0;
+        if (window > 0.0) depth += l->warp * window * fmin(fmax(noise_at(&w->noises[n], r, s, t), -1.0f), 1.0f);
+    }
+    depth = fmin(fmax(depth, 0.0), 1.0);
+
+    /* base colour */
+    value[0] = value[1] = value[2] = 0.0f;
+    value[3] = 1.0f;
+    if (recipe->stop_count) ramp_at(recipe->stops, recipe->stop_count, depth, value);
+    if (w->strip) blend_strip(recipe, w->strip, i, depth, value);
+
+    /* colouring noises, in order */
+    for (size_t n = 0; n < recipe->noise_count; ++n) {
+        const pith_noise_layer *l = &recipe->noises[n];
+        const double window = l->warp > 0.0 ? 0.0 : depth_window(l, depth);
+        if (!(window > 0.0)) continue;
+        const double weight = window * noise_weight(l, noise_at(&w->noises[n], r, s, t));
+        for (int c = 0; c < 3; ++c) value[c] += (float)(l->amount * weight) * (l->colour[c] - value[c]);
+        if (w->exemplar->channels > 4) value[4] += (float)(l->displacement * weight);
+    }
+}
+
+static bool has_displacement(const pith_layered_recipe *recipe)
+{
+    for (size_t i = 0; i < recipe->noise_count; ++i)
+        if (recipe->noises[i].displacement != 0.0) return true;
+    for (size_t i = 0; i < recipe->particle_count; ++i)
+        if (recipe->particles[i].displacement != 0.0) return true;
+    return false;
+}
+
+static pith_status prepare(workshop *w, pith_error *err)
+{
+    const pith_layered_recipe *recipe = w->recipe;
+    const uint32_t size[3] = { recipe->size_r, recipe->size_s, recipe->size_t_ };
+    if (recipe->strip) PITH_TRY(strip_table(recipe, &w->strip, err));
+    w->noises = pith_alloc(recipe->noise_count, sizeof *w->noises);
+    w->particles = pith_alloc(recipe->particle_count, sizeof *w->particles);
+    w->counts = pith_alloc(recipe->particle_count, sizeof *w->counts);
+    if (!w->noises || !w->particles || !w->counts) return PITH_OUT_OF_MEMORY(err, "the recipe's layers");
+    for (size_t n = 0; n < recipe->noise_count; ++n)
+        PITH_TRY(noise_make(&recipe->noises[n], size, pith_mix64(recipe->seed ^ (STREAM_NOISE + n)), &w->noises[n], err));
+    for (size_t n = 0; n < recipe->particle_count; ++n)
+        PITH_TRY(particles_throw(&recipe->particles[n], size, recipe->seed, STREAM_PARTICLES + n, &w->particles[n],
+                                 &w->counts[n], err));
+    PITH_TRY(pith_grid_create(size, has_displacement(recipe) ? 5 : 4, &w->exemplar, err));
+    w->exemplar->spacing = pith_v3(1.0 / size[0], 1.0 / size[1], 1.0 / size[2]);
+    return PITH_OK;
+}
+
+static void sweep_up(workshop *w)
+{
+    if (w->noises)
+        for (size_t n = 0; n < w->recipe->noise_count; ++n) noise_free(&w->noises[n]);
+    if (w->particles)
+        for (size_t n = 0; n < w->recipe->particle_count; ++n) pith_free(w->particles[n]);
+    pith_free(w->noises);
+    pith_free(w->particles);
+    pith_free(w->counts);
+    pith_free(w->strip);
+    pith_grid_destroy(w->exemplar);
+}
+
+pith_status pith_exemplar_layered(const pith_layered_recipe *recipe, pith_grid **exemplar, pith_error *err)
+{
+    PITH_TRY(check_recipe(recipe, err));
+    workshop w = { .recipe = recipe };
+    const pith_status status = prepare(&w, err);
+    if (status == PITH_OK) {
+        /* A slice is written by one thread alone, its particles in their order: the same bytes for any thread count. */
+#pragma omp parallel for num_threads(pith_threads()) schedule(dynamic)
+        for (uint32_t k = 0; k < recipe->size_t_; ++k) {
+            for (uint32_t j = 0; j < recipe->size_s; ++j)
+                for (uint32_t i = 0; i < recipe->size_r; ++i) paint_voxel(&w, i, j, k);
+            for (size_t n = 0; n < recipe->particle_count; ++n)
+                particles_paint_slice(&recipe->particles[n], w.particles[n], w.counts[n], w.exemplar, k);
+        }
+        *exemplar = w.exemplar;
+        w.exemplar = NULL;
+    }
+    sweep_up(&w);
+    return status;
+}
+
+/* ---- seams --------------------------------------------------------------------------------------------------- */
+
+/* Greatest steps along one axis (0 or 2) over all channels: inside, and from the last cell to the first. */
+static void steps_along(const pith_grid *g, int axis, float *inside, float *border)
+{
+    const size_t stride[3] = { g->channels, (size_t)g->size[0] * g->channels,
+                               (size_t)g->size[0] * g->size[1] * g->channels };
+    const size_t cells = (size_t)g->size[0] * g->size[1] * g->size[2];
+    const uint32_t n = g->size[axis];
+    for (size_t cell = 0; cell < cells; ++cell) {
+        const size_t at = axis == 0 ? cell % n : cell / ((size_t)g->size[0] * g->size[1]);
+        const float *value = g->values + cell * g->channels;
+        const float *next = at + 1 < n ? value + stride[axis] : value - at * stride[axis];
+        float *most = at + 1 < n ? inside : border;
+        for (uint32_t c = 0; c < g->channels; ++c) *most = fmaxf(*most, fabsf(next[c] - value[c]));
+    }
+}
+
+double pith_exemplar_seam(const pith_grid *exemplar)
+{
+    double worst = 0.0;
+    for (int axis = 0; axis < 3; axis += 2) {
+        float inside = 0.0f, border = 0.0f;
+        steps_along(exemplar, axis, &inside, &border);
+        if (border > 0.0f) worst = fmax(worst, inside > 0.0f ? (double)border / inside : INFINITY);
+    }
+    return worst;
+}

@@ -1,0 +1,114 @@
+/* Gradient noise with a period: Perlin, "Improving Noise", ACM TOG 21(3), 2002 - its twelve gradients and its fade curve -
+   with gradients hashed from lattice coordinates taken modulo the period, so that it tiles exactly along r and t. */
+#include "exemplar_internal.h"
+
+#include <string.h>
+
+/* Fills a lattice. Gradients hash (octave seed, lattice point): no order of evaluation enters. */
+static pith_status fill_lattice(noise_octave *o, uint64_t seed, pith_error *err)
+{
+    static const float edges[12][3] = { { 1, 1, 0 }, { -1, 1, 0 }, { 1, -1, 0 }, { -1, -1, 0 },
+                                        { 1, 0, 1 }, { -1, 0, 1 }, { 1, 0, -1 }, { -1, 0, -1 },
+                                        { 0, 1, 1 }, { 0, -1, 1 }, { 0, 1, -1 }, { 0, -1, -1 } };
+    const size_t points = (size_t)o->count_r * o->count_s * o->count_t;
+    o->gradients = pith_alloc(points, sizeof *o->gradients);
+    if (!o->gradients) return PITH_OUT_OF_MEMORY(err, "a noise lattice");
+    for (size_t i = 0; i < points; ++i) {
+        const uint64_t hash = pith_mix64(seed ^ (uint64_t)i * UINT64_C(0x9e3779b97f4a7c15));
+        memcpy(o->gradients[i], edges[(hash >> 32) * 12 >> 32], sizeof *o->gradients);
+    }
+    return PITH_OK;
+}
+
+/* Cells of one period along a periodic axis: 0 where the feature is longer than two periods, at most one a two voxels. */
+static uint32_t periodic_cells(double feature, double scale, uint32_t voxels)
+{
+    const double cells = round(1.0 / feature) * scale, finest = voxels / 2;
+    return (uint32_t)(cells < finest ? cells : finest);
+}
+
+pith_status noise_make(const pith_noise_layer *layer, const uint32_t voxels[3], uint64_t seed, noise *made,
+                       pith_error *err)
+{
+    noise n = { 0 };
+    double power = 0.0, amplitude = 1.0, scale = 1.0;
+    for (uint32_t i = 0; i < layer->octaves; ++i, amplitude *= 0.5, scale *= 2.0) {
+        noise_octave *o = &n.octaves[i];
+        const uint32_t cells_r = periodic_cells(layer->size_r, scale, voxels[0]);
+        const uint32_t cells_t = periodic_cells(layer->size_t_, scale, voxels[2]);
+        o->per_r = cells_r, o->per_t = cells_t;
+        o->per_s = fmin(scale / layer->size_s, 0.5 * voxels[1]);
+        /* An octave that could not become finer on any axis would only repeat the one before. */
+        const noise_octave *before = i ? o - 1 : NULL;
+        if (before && o->per_r == before->per_r && o->per_s == before->per_s && o->per_t == before->per_t) break;
+        o->count_r = cells_r ? cells_r : 1;
+        o->count_t = cells_t ? cells_t : 1;
+        o->count_s = (uint32_t)ceil(o->per_s) + 2;
+        const uint64_t octave_seed = pith_mix64(seed + i);
+        o->phase_r = (double)(octave_seed & 0xffff) / 65536.0;
+        o->phase_t = (double)(octave_seed >> 16 & 0xffff) / 65536.0;
+        o->amplitude = (float)amplitude;
+        power += amplitude * amplitude;
+        const pith_status status = fill_lattice(o, octave_seed, err);
+        n.octave_count = i + 1;
+        if (status != PITH_OK) {
+            noise_free(&n);
+            return status;
+        }
+    }
+    /* The same spread for any number of octaves, brought near ±1: a single octave spreads by about 0.3. */
+    for (uint32_t i = 0; i < n.octave_count; ++i) n.octaves[i].amplitude *= (float)(1.5 / sqrt(power));
+    *made = n;
+    return PITH_OK;
+}
+
+void noise_free(noise *n)
+{
+    for (uint32_t i = 0; i < n->octave_count; ++i) pith_free(n->octaves[i].gradients);
+    n->octave_count = 0;
+}
+
+static inline float fade_curve(float x) { return x * x * x * (x * (x * 6.0f - 15.0f) + 10.0f); }
+
+/* The lattice cell of a periodic coordinate and its neighbour; returns the place between them, 0..1. */
+static inline float wrap_cell(double x, uint32_t count, uint32_t cell[2])
+{
+    const double low = floor(x), wrapped = low - floor(low / count) * count;
+    cell[0] = wrapped < count ? (uint32_t)wrapped : 0;
+    cell[1] = cell[0] + 1 < count ? cell[0] + 1 : 0;
+    return (float)(x - low);
+}
+
+static float octave_at(const noise_octave *o, double r, double s, double t)
+{
+    uint32_t ir[2], it[2];
+    const float fx = wrap_cell(r * o->per_r + o->phase_r, o->count_r, ir);
+    const float fz = wrap_cell(t * o->per_t + o->phase_t, o->count_t, it);
+    const double y = s * o->per_s;
+    const uint32_t is[2] = { (uint32_t)y, (uint32_t)y + 1 };
+    const float fy = (float)(y - is[0]);
+
+    float corner[2][2][2];
+    for (int c = 0; c < 2; ++c)
+        for (int b = 0; b < 2; ++b)
+            for (int a = 0; a < 2; ++a) {
+                const float *g = o->gradients[((size_t)it[c] * o->count_s + is[b]) * o->count_r + ir[a]];
+                corner[c][b][a] = g[0] * (fx - (float)a) + g[1] * (fy - (float)b) + g[2] * (fz - (float)c);
+            }
+    const float u = fade_curve(fx), v = fade_curve(fy), w = fade_curve(fz);
+    float plane[2];
+    for (int c = 0; c < 2; ++c) {
+        const float low = corner[c][0][0] + u * (corner[c][0][1] - corner[c][0][0]);
+        const float high = corner[c][1][0] + u * (corner[c][1][1] - corner[c][1][0]);
+        plane[c] = low + v * (high - low);
+    }
+    return plane[0] + w * (plane[1] - plane[0]);
+}
+
+float noise_at(const noise *n, double r, double s, double t)
+{
+    float sum = 0.0f;
+    for (uint32_t i = 0; i < n->octave_count; ++i)
+        sum += n->octaves[i].amplitude * octave_at(&n->octaves[i], r, s, t);
+    return sum;
+}
