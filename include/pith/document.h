@@ -13,34 +13,77 @@
 #include "pith/render.h"
 #include "pith/solid.h"
 
+/* ---- documents ------------------------------------------------------------------------------------------------- */
+
 typedef struct pith_document pith_document;
 
 /** Reads and checks a document completely: every key known, every value in range, every file named exists. Refusals
- *  name the place, e.g. "kiwi.pith: solids[0].exemplar.file: …" with what would be right. */
+ *  name the place, e.g. "kiwi.pith: solids[0].exemplar.file: …" with what would be right; for text that is not JSON
+ *  the line and column. PITH_IO when the file cannot be read, PITH_BAD_DOCUMENT for everything in it. */
 pith_status pith_document_load(const char *path, pith_document **document, pith_error *err);
 /** Same from memory; path is used in messages and as the base of relative paths. */
 pith_status pith_document_parse(const char *path, const char *json, size_t size, pith_document **document,
                                 pith_error *err);
-/** Writes it back, keys in a fixed order, two spaces of indent, atomically. */
+/** Writes it back, keys in a fixed order, two spaces of indent, atomically. Relative paths stay as they are written. */
 pith_status pith_document_save(const pith_document *document, const char *path, pith_error *err);
 void pith_document_destroy(pith_document *document);
+/** The title, or "". */
+const char *pith_document_title(const pith_document *document);
+/** Number and names of the solids, in the document's order. */
+size_t pith_document_solids(const pith_document *document);
+const char *pith_document_solid_name(const pith_document *document, size_t index);
+
+/** JSON text in the layout of pith_document_save: arrays of plain values on one line. Caller frees with pith_free. */
+pith_status pith_document_schema(char **text, pith_error *err);     /* the JSON Schema (draft 2020-12) of a document */
+/** Every key of a document as Markdown tables: the reference part of docs/document.md. Caller frees with pith_free. */
+pith_status pith_document_keys(char **text, pith_error *err);
+/** Every parameter table that a document can set, NULL-terminated. */
+const pith_params *const *pith_document_tables(void);
+
+/** Subdividing tets near the core, where the depth gradient fades and straight elements see it worst. */
+typedef struct pith_refine_options {
+    double depth_above;     /* tets whose mean depth is above this are bisected */
+    uint32_t passes;        /* how often; 0: not at all */
+} pith_refine_options;
+extern const pith_params pith_refine_params;
+
+typedef enum pith_keep { PITH_KEEP_BOTH, PITH_KEEP_POSITIVE, PITH_KEEP_NEGATIVE } pith_keep;
+
+/** One planar cut of a document: every part there is, is cut. */
+typedef struct pith_cut_step {
+    pith_plane plane;
+    uint32_t keep;          /* pith_keep: the sides that stay; positive is where the normal points */
+    double gap;             /* when both stay: how far they are moved apart along the normal, model units */
+} pith_cut_step;
+extern const pith_params pith_cut_step_params; /* of keep and gap */
+
+/* ---- recipes of exemplars ----------------------------------------------------------------------------------------- */
+
+/** A layered recipe read from JSON, with the photograph it names. */
+typedef struct pith_recipe pith_recipe;
+pith_status pith_recipe_load(const char *path, pith_recipe **recipe, pith_error *err);
+void pith_recipe_destroy(pith_recipe *recipe);
+/** Valid until the recipe is destroyed. */
+const pith_layered_recipe *pith_recipe_look(const pith_recipe *recipe);
+
+/* ---- models --------------------------------------------------------------------------------------------------------- */
 
 typedef struct pith_model pith_model;
 
 typedef struct pith_model_options {
-    bool cache;             /* read and write the cache file beside the document */
-    bool verbose;           /* unused by the library; kept for callers */
+    bool cache;             /* read and write the cache file beside the document: its path with a 'c' at the end */
 } pith_model_options;
 
 /** Where the time went; seconds, negative when the stage came from the cache or was not needed. */
 typedef struct pith_model_times { double shape, tets, fields, exemplar, fill, cut; } pith_model_times;
 
-/** Borrows the document, which must outlive the model. Builds nothing yet. */
+/** Borrows the document, which must outlive the model, and the progress. Builds nothing yet. A cache file that is
+ *  damaged is told in pith_model_notes and rebuilt. */
 pith_status pith_model_create(const pith_document *document, const pith_model_options *options,
                               const pith_progress *progress, pith_model **model, pith_error *err);
 void pith_model_destroy(pith_model *model);
 
-/** Each builds what it needs and returns something the model owns. */
+/** Each builds what it needs and returns something the model owns; outputs may be NULL. Not for several threads. */
 pith_status pith_model_mesh(pith_model *model, const pith_mesh **mesh, const pith_mesh_report **report,
                             pith_error *err);
 pith_status pith_model_tets(pith_model *model, const pith_tets **tets, const pith_tets_report **report,
@@ -49,16 +92,28 @@ pith_status pith_model_locator(pith_model *model, const pith_locator **locator, 
 /** Fields of the tets: depth, gradient, secondary (NULL when the document has none); [vertex_count]. */
 pith_status pith_model_fields(pith_model *model, const double **depth, const pith_vec3 **gradient,
                               const pith_vec3 **secondary, pith_error *err);
+/** The exemplar as the model uses it: 8 bits a channel, so that a model from the cache is the same model. */
+pith_status pith_model_exemplar(pith_model *model, const pith_grid **exemplar, pith_error *err);
 /** The solid the model is made of. */
 pith_status pith_model_solid(pith_model *model, const pith_solid **solid, pith_error *err);
-/** Report of the fill; NULL when the solid is not lapped. */
+/** Report of the fill; NULL when the solid is not lapped, or not asked for yet. */
 const pith_lapped_report *pith_model_fill_report(const pith_model *model);
-/** The shells left after the document's cuts, with their offsets. */
+/** The whole model as a part, for cutting. */
+pith_status pith_model_part(pith_model *model, const pith_part **part, pith_error *err);
+/** Takes these cuts instead of the document's from now on; copies them. PITH_BAD_ARGUMENT for a plane without normal. */
+pith_status pith_model_set_cuts(pith_model *model, const pith_cut_step *cuts, size_t count, pith_error *err);
+/** The shells left after the cuts, with their offsets; empty shells are left out. Cuts apply in sequence: all but the
+ *  last split every part there is, the last one only lays its section open. Offsets add up. */
 pith_status pith_model_items(pith_model *model, const pith_render_item **items, size_t *count, pith_error *err);
+/** Camera for a picture of this aspect (width / height): the document's, or fitted round the items. */
+pith_status pith_model_camera(pith_model *model, double aspect, pith_camera *camera, pith_error *err);
 /** Camera and render options of the document (or fitted, when it has none). */
 pith_status pith_model_view(pith_model *model, pith_camera *camera, pith_render_options *options, pith_error *err);
 const pith_model_times *pith_model_timing(const pith_model *model);
 /** Size of the saved model (the cache file), bytes; 0 when there is none. */
 size_t pith_model_saved_size(const pith_model *model);
+/** What the user should know though nothing failed (a damaged cache, a cache that could not be written, a surface that
+ *  had to be repaired), one sentence a line; "" when there is nothing. */
+const char *pith_model_notes(const pith_model *model);
 
 #endif

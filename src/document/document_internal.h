@@ -1,0 +1,196 @@
+/* What the files of the document room share: the grammar of a document, the parsed document, and its pieces. */
+#ifndef PITH_DOCUMENT_INTERNAL_H
+#define PITH_DOCUMENT_INTERNAL_H
+
+#include <jansson.h>
+
+#include "pith/document.h"
+
+/* ---- grammar: which keys an object may have ------------------------------------------------------------------ */
+
+/* What stands behind a key. */
+typedef enum value_kind {
+    VALUE_VERSION,  /* the number 1 */
+    VALUE_TEXT,     /* a string that is not empty */
+    VALUE_FILE,     /* a string naming an existing file, relative to the document */
+    VALUE_RECIPE,   /* the same, naming a recipe of its own, checked as one */
+    VALUE_COLOUR,   /* "#rrggbb", sRGB */
+    VALUE_POINT,    /* [x, y, z] */
+    VALUE_POINTS,   /* a list of points */
+    VALUE_LINE,     /* a list of at least two points */
+    VALUE_LINES,    /* a list of lines */
+    VALUE_FACES,    /* "all" or a list of indices */
+    VALUE_SIZES,    /* [r, s, t], whole numbers 8 .. 256 */
+    VALUE_OBJECT,   /* an object of the inner grammar */
+    VALUE_LIST,     /* a list of objects of the inner grammar */
+    VALUE_KINDS     /* a list of objects; "kind" says which of the inner grammars (NULL-named end) each follows */
+} value_kind;
+
+typedef struct grammar grammar;
+
+typedef struct grammar_key {
+    const char *name;
+    value_kind kind;
+    const char *help;       /* one line */
+    const grammar *inner;   /* for the last three kinds */
+} grammar_key;
+
+/* An object: keys with a shape of their own, then the options of a parameter table. */
+struct grammar {
+    const char *name;               /* as docs call it; for VALUE_KINDS the word of "kind" */
+    const char *help;
+    const grammar_key *keys;
+    size_t key_count;
+    const pith_params *params;      /* may be NULL */
+    const char *const *required;    /* keys that must be there; NULL-terminated, may be NULL */
+    const char *const *one_of;      /* keys of which exactly one must be there; the same */
+};
+
+extern const grammar grammar_document, grammar_recipe;
+
+/* Where a check stands: the document's path, and the place inside it. */
+typedef struct reader {
+    const char *file;
+    char place[300];
+    pith_error *err;
+} reader;
+
+/* The whole check of one object against its grammar: keys, types, ranges, files. */
+pith_status grammar_check(reader *in, json_t *object, const grammar *rules);
+/* PITH_BAD_DOCUMENT, "file: place: sentence". */
+pith_status reader_fail(const reader *in, const char *format, ...) __attribute__((format(printf, 2, 3)));
+/* Appends ".key" or "[index]" to the place; returns the length to give back to reader_leave. */
+size_t reader_enter(reader *in, const char *key);
+size_t reader_enter_at(reader *in, size_t index);
+void reader_leave(reader *in, size_t length);
+/* Parses JSON text, duplicate keys refused; syntax errors name line and column. */
+pith_status json_read(const char *file, const char *text, size_t size, json_t **root, pith_error *err);
+
+/* ---- values out of checked JSON ------------------------------------------------------------------------------- */
+
+/* Fills an options struct: the table's defaults, then every key of the object that the table knows. object may be
+   NULL: defaults only. The object was checked. */
+void json_options(const json_t *object, const pith_params *table, void *options);
+pith_vec3 json_point(const json_t *value);
+void json_colour(const json_t *value, float colour[3]);     /* linear */
+
+/* Text that grows. After a failure `failed` is set and everything else is ignored. */
+typedef struct text_buffer { char *text; size_t length, capacity; bool failed; } text_buffer;
+void text_add(text_buffer *buffer, const char *format, ...) __attribute__((format(printf, 2, 3)));
+/* Pretty JSON: two spaces of indent, arrays of plain values on one line, shortest numbers that read back equal. */
+void text_add_json(text_buffer *buffer, const json_t *value, int indent);
+/* The object with its keys in the grammar's order; a new reference or NULL (no memory). */
+json_t *grammar_order(const json_t *object, const grammar *rules);
+
+/* ---- the parsed document ---------------------------------------------------------------------------------------- */
+
+/* Memory that lives as long as the document. */
+typedef struct arena { struct arena_block *blocks; } arena;
+void *arena_alloc(arena *memory, size_t count, size_t size);
+char *arena_text(arena *memory, const char *text);
+void arena_clear(arena *memory);
+
+/* A layered recipe with everything it points to. */
+struct pith_recipe {
+    arena memory;
+    pith_layered_recipe recipe;
+    pith_image *strip;
+    uint64_t hash;                  /* of everything above, the photograph included */
+};
+/* file: for messages and as the base of the strip's path; object was checked against grammar_recipe. */
+pith_status recipe_build(const char *file, const json_t *object, pith_recipe **recipe, pith_error *err);
+
+typedef enum solid_kind { SOLID_LAPPED, SOLID_GRID } solid_kind;
+typedef struct grid_options { bool clamp; } grid_options;
+
+typedef struct document_solid {
+    const char *name;
+    solid_kind kind;
+    pith_lapped_options lapped;
+    const char *exemplar_file;      /* resolved path, or NULL */
+    pith_recipe *recipe;            /* or NULL; owned by the document */
+    const char *grid_file;
+    grid_options grid;
+} document_solid;
+
+typedef struct document_camera {
+    bool placed;                    /* eye, target, up; else fitted from direction */
+    pith_vec3 eye, target, up, direction;
+    struct document_lens { double field_of_view; } lens;
+} document_camera;
+
+struct pith_document {
+    arena memory;
+    json_t *root;
+    const char *path, *title;
+
+    const char *mesh_file;          /* resolved path, or NULL: the fruit */
+    pith_fruit_options fruit;
+    pith_tets_options tets;
+    pith_refine_options refine;
+
+    pith_depth_constraint *constraints;
+    size_t constraint_count;
+    pith_depth_options depth;
+    pith_stroke *strokes;
+    size_t stroke_count;
+    pith_smoothing_options smoothing;
+
+    document_solid *solids;
+    size_t solid_count, solid;      /* solid: the one the model is made of */
+    pith_cut_step *cuts;
+    size_t cut_count;
+    document_camera camera;
+    pith_render_options render;
+};
+
+extern const pith_params document_grid_params, document_lens_params, document_depth_value_params,
+    document_recipe_params;
+typedef struct depth_value { double depth; } depth_value;
+typedef struct recipe_options { uint64_t seed; double strip_blend; } recipe_options;
+
+/* ---- cache -------------------------------------------------------------------------------------------------------- */
+
+/* A file of named sections, each compressed, each with the key of what it was made from. */
+typedef struct cache cache;
+pith_status cache_create(const char *path, cache **made, pith_error *err);
+void cache_destroy(cache *store);
+/* Reads the file. A missing file is an empty cache; a damaged one is too, and `complaint` says what is wrong. */
+pith_status cache_load(cache *store, char *complaint, size_t capacity, pith_error *err);
+/* The section's bytes when it is there under this key and unharmed; NULL when not. pith_free it. */
+unsigned char *cache_get(const cache *store, const char *name, uint64_t key, size_t *size);
+/* Compresses and keeps the section until the next flush. */
+pith_status cache_put(cache *store, const char *name, uint64_t key, const void *bytes, size_t size, pith_error *err);
+/* Writes the file if something was put since it was read. */
+pith_status cache_flush(cache *store, pith_error *err);
+/* Bytes the file has on disk. */
+size_t cache_size(const cache *store);
+
+/* Byte planes: all first bytes of the words, then all second ones... Smooth arrays of numbers compress better so.
+   words [count] of `width` bytes. */
+void bytes_shuffle(const void *words, size_t count, size_t width, unsigned char *planes);
+void bytes_unshuffle(const unsigned char *planes, size_t count, size_t width, void *words);
+
+/* ---- stages ----------------------------------------------------------------------------------------------------------- */
+
+/* What is kept of a stage, to and from bytes; each loader checks every length and index it reads. */
+typedef struct byte_writer { unsigned char *bytes; size_t size, capacity; bool failed; } byte_writer;
+void write_bytes(byte_writer *out, const void *bytes, size_t size);
+void write_words(byte_writer *out, const void *words, size_t count, size_t width);   /* shuffled */
+typedef struct byte_reader { const unsigned char *bytes; size_t size, at; bool failed; } byte_reader;
+void read_bytes(byte_reader *in, void *bytes, size_t size);
+void read_words(byte_reader *in, void *words, size_t count, size_t width);
+
+pith_status stage_save_tets(const pith_tets *tets, const pith_tets_report *report, byte_writer *out, pith_error *err);
+pith_status stage_load_tets(byte_reader *in, pith_tets **tets, pith_tets_report *report, pith_error *err);
+/* Rounds to what the cache keeps: 8 bits a channel, colours as sRGB, further channels 16 bits over their range. */
+pith_status exemplar_pack(const pith_grid *exemplar, byte_writer *out, pith_error *err);
+pith_status exemplar_unpack(byte_reader *in, pith_grid **exemplar, pith_error *err);
+
+/* Keys of the stages: hashes of everything the stage depends on, the contents of files included. */
+typedef struct stage_keys { uint64_t tets, fields, exemplar, patches; } stage_keys;
+pith_status stage_keys_of(const pith_document *document, stage_keys *keys, pith_error *err);
+/* Hash of every option of the table, by name, chained onto seed. */
+uint64_t hash_options(const pith_params *table, const void *options, uint64_t seed);
+
+#endif

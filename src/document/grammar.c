@@ -1,0 +1,185 @@
+/* What a document may say, as tables: every object's keys, which of them must be there, which exclude one another, and
+   the parameter tables of its options. The check, the order of saving, the schema and the reference in the docs all
+   read these tables; nothing of them is written twice. */
+#include "document_internal.h"
+
+#define KEYS(...) (const grammar_key[]){ __VA_ARGS__ }, sizeof((const grammar_key[]){ __VA_ARGS__ }) / sizeof(grammar_key)
+#define NAMES(...) (const char *const[]){ __VA_ARGS__, NULL }
+
+/* ---- small tables of the document's own options --------------------------------------------------------------- */
+
+static const pith_param refine_items[] = {
+    { "depth_above", "1", "tets whose mean depth is above this are bisected; lower refines more of the core",
+      PITH_PARAM_DOUBLE, 0, 0.85, 1, offsetof(pith_refine_options, depth_above), NULL },
+    { "passes", "1", "how often; each pass about halves the edges there in three passes, 0 leaves the mesh as it is",
+      PITH_PARAM_UINT, 0, 1, 8, offsetof(pith_refine_options, passes), NULL },
+};
+const pith_params pith_refine_params = { "refine", refine_items, 2, sizeof(pith_refine_options) };
+
+static const char *const keep_words[] = { "both", "positive", "negative", NULL };
+static const pith_param cut_items[] = {
+    { "keep", "1", "the sides that stay; positive is where the normal points", PITH_PARAM_CHOICE, 0, PITH_KEEP_BOTH, 2,
+      offsetof(pith_cut_step, keep), keep_words },
+    { "gap", "model units", "how far two kept sides are moved apart along the normal", PITH_PARAM_DOUBLE, 0, 0, 1e9,
+      offsetof(pith_cut_step, gap), NULL },
+};
+const pith_params pith_cut_step_params = { "cut", cut_items, 2, sizeof(pith_cut_step) };
+
+static const pith_param grid_items[] = {
+    { "clamp", "1", "points outside the grid get the nearest voxel instead of nothing", PITH_PARAM_BOOL, 0, 1, 1,
+      offsetof(grid_options, clamp), NULL },
+};
+const pith_params document_grid_params = { "grid", grid_items, 1, sizeof(grid_options) };
+
+static const pith_param lens_items[] = {
+    { "field_of_view", "degrees", "vertical opening angle; more shows more and bends more", PITH_PARAM_DOUBLE, 1, 30,
+      150, offsetof(struct document_lens, field_of_view), NULL },
+};
+const pith_params document_lens_params = { "camera", lens_items, 1, sizeof(struct document_lens) };
+
+static const pith_param depth_value_items[] = {
+    { "depth", "1", "0 outermost … 1 innermost", PITH_PARAM_DOUBLE, 0, 0, 1, offsetof(depth_value, depth), NULL },
+};
+const pith_params document_depth_value_params = { "depth value", depth_value_items, 1, sizeof(depth_value) };
+
+static const pith_param recipe_items[] = {
+    { "seed", "1", "another seed places noise and particles elsewhere", PITH_PARAM_SEED, 0, 1, 0x1p53,
+      offsetof(recipe_options, seed), NULL },
+    { "strip_blend", "1", "0 only the stops … 1 only the strip", PITH_PARAM_DOUBLE, 0, 0.5, 1,
+      offsetof(recipe_options, strip_blend), NULL },
+};
+const pith_params document_recipe_params = { "recipe", recipe_items, 2, sizeof(recipe_options) };
+
+const pith_params *const *pith_document_tables(void)
+{
+    static const pith_params *const tables[] = {
+        &pith_fruit_params, &pith_tets_params, &pith_refine_params, &document_depth_value_params, &pith_depth_params,
+        &pith_smoothing_params, &pith_lapped_params, &document_grid_params, &document_recipe_params,
+        &pith_noise_layer_params, &pith_particle_layer_params, &pith_cut_step_params, &document_lens_params,
+        &pith_render_params, NULL,
+    };
+    return tables;
+}
+
+/* ---- recipes ---------------------------------------------------------------------------------------------------- */
+
+static const grammar stop = {
+    "stop", "A colour at a depth; between stops colours are blended.",
+    KEYS({ "colour", VALUE_COLOUR, "the colour there", NULL }),
+    &document_depth_value_params, NAMES("depth", "colour"), NULL,
+};
+static const grammar noise = {
+    "noise", "A layer of periodic noise that colours, or with `warp` bends, what lies under it.",
+    KEYS({ "colour", VALUE_COLOUR, "the colour blended in where the noise is strong; default black", NULL }),
+    &pith_noise_layer_params, NULL, NULL,
+};
+static const grammar particles = {
+    "particles", "A layer of ellipsoids: seeds, vesicles, fibres.",
+    KEYS({ "colour", VALUE_COLOUR, "at the rim", NULL },
+         { "core_colour", VALUE_COLOUR, "in the middle; default: as at the rim", NULL },
+         { "halo_colour", VALUE_COLOUR, "of the rim blended around; default: as at the rim", NULL }),
+    &pith_particle_layer_params, NAMES("colour"), NULL,
+};
+const grammar grammar_recipe = {
+    "recipe", "A layered exemplar: colours by depth, then noise, then particles, in the order given.",
+    KEYS({ "size", VALUE_SIZES, "voxels along r, s, t; default [64, 64, 64]", NULL },
+         { "stops", VALUE_LIST, "colours by ascending depth", &stop },
+         { "strip", VALUE_FILE, "photograph (PNG, JPEG) swept along t: x is r, y is s from the outside in", NULL },
+         { "noises", VALUE_LIST, "layers of noise", &noise },
+         { "particles", VALUE_LIST, "layers of particles", &particles }),
+    &document_recipe_params, NULL, NULL,
+};
+
+/* ---- documents -------------------------------------------------------------------------------------------------- */
+
+static const grammar fruit = {
+    "fruit", "A rounded body made by the program, its poles on the z axis.", NULL, 0, &pith_fruit_params, NULL, NULL,
+};
+static const grammar tets = {
+    "tets", "How the body is filled with tetrahedra.", NULL, 0, &pith_tets_params, NULL, NULL,
+};
+static const grammar refine = {
+    "refine", "Smaller tetrahedra near the core, where the depth gradient fades.", NULL, 0, &pith_refine_params, NULL,
+    NULL,
+};
+static const grammar shape = {
+    "shape", "The body: a mesh file or a fruit, and its tetrahedra.",
+    KEYS({ "mesh", VALUE_FILE, "triangle mesh: OBJ, PLY, STL, OFF or GLB", NULL },
+         { "fruit", VALUE_OBJECT, "a body made by the program", &fruit },
+         { "tets", VALUE_OBJECT, "how it is filled with tetrahedra", &tets },
+         { "refine", VALUE_OBJECT, "smaller tetrahedra near the core; left out: none", &refine }),
+    NULL, NULL, NAMES("mesh", "fruit"),
+};
+static const grammar constraint = {
+    "constraint", "Faces, a stroke or points, and the depth they have.",
+    KEYS({ "faces", VALUE_FACES, "\"all\", or triangles of the cleaned mesh by index from 0", NULL },
+         { "stroke", VALUE_LINE, "corners of a polyline", NULL },
+         { "points", VALUE_POINTS, "single points", NULL }),
+    &document_depth_value_params, NAMES("depth"), NAMES("faces", "stroke", "points"),
+};
+static const grammar depth = {
+    "depth", "The depth field: 0 on the outside, 1 at the core, from what is painted and drawn.",
+    KEYS({ "constraints", VALUE_LIST, "where the depth is known; at least two different depths", &constraint }),
+    &pith_depth_params, NAMES("constraints"), NULL,
+};
+static const grammar direction = {
+    "direction", "The direction field that exemplars of type 1-B follow with their t axis.",
+    KEYS({ "strokes", VALUE_LINES, "polylines; the direction is along them", NULL }),
+    &pith_smoothing_params, NAMES("strokes"), NULL,
+};
+static const grammar exemplar = {
+    "exemplar", "The texture a lapped solid is made of: axes r, s, t; s is the depth.",
+    KEYS({ "file", VALUE_FILE, "NRRD with three or more channels that tiles along r and t", NULL },
+         { "recipe", VALUE_RECIPE, "JSON file with a layered recipe", NULL },
+         { "layered", VALUE_OBJECT, "a layered recipe, here", &grammar_recipe }),
+    NULL, NULL, NAMES("file", "recipe", "layered"),
+};
+#define SOLID_KEYS                                                                                                     \
+    { "name", VALUE_TEXT, "what the document calls it", NULL },                                                        \
+    { "kind", VALUE_TEXT, "how it is made: the word above", NULL }
+static const grammar solid_kinds[] = {
+    { "lapped", "Overlapping patches of an exemplar.",
+      KEYS(SOLID_KEYS, { "exemplar", VALUE_OBJECT, "its texture", &exemplar }),
+      &pith_lapped_params, NAMES("name", "kind", "exemplar"), NULL },
+    { "grid", "A voxel grid, in the mesh's coordinates.",
+      KEYS(SOLID_KEYS, { "file", VALUE_FILE, "NRRD", NULL }), &document_grid_params, NAMES("name", "kind", "file"),
+      NULL },
+    { NULL, NULL, NULL, 0, NULL, NULL, NULL },
+};
+static const grammar plane = {
+    "plane", "A plane.",
+    KEYS({ "point", VALUE_POINT, "a point on it", NULL },
+         { "normal", VALUE_POINT, "its normal, of any length but 0", NULL }),
+    NULL, NAMES("point", "normal"), NULL,
+};
+static const grammar cut = {
+    "cut", "A planar cut of everything there is; cuts apply in order.",
+    KEYS({ "plane", VALUE_OBJECT, "where", &plane }),
+    &pith_cut_step_params, NAMES("plane"), NULL,
+};
+static const grammar camera = {
+    "camera", "Where pictures are taken from: an eye, or a direction from which everything is seen.",
+    KEYS({ "eye", VALUE_POINT, "where the eye is; `target` goes with it", NULL },
+         { "direction", VALUE_POINT, "from the middle towards the eye; the distance is fitted", NULL },
+         { "target", VALUE_POINT, "what is in the middle of the picture", NULL },
+         { "up", VALUE_POINT, "what is up; default [0, 0, 1]", NULL }),
+    &document_lens_params, NULL, NAMES("eye", "direction"),
+};
+static const grammar render = {
+    "render", "How pictures are made.", NULL, 0, &pith_render_params, NULL, NULL,
+};
+const grammar grammar_document = {
+    "document", "A model: its shape, its fields, the solids it may be made of, and how it is cut and seen.",
+    KEYS({ "pith", VALUE_VERSION, "version of the format: 1", NULL },
+         { "title", VALUE_TEXT, "a name for people", NULL },
+         { "shape", VALUE_OBJECT, "the body", &shape },
+         { "depth", VALUE_OBJECT, "the depth field; lapped solids need it", &depth },
+         { "direction", VALUE_OBJECT, "the direction field; type 1-B needs it", &direction },
+         { "solids", VALUE_KINDS, "what the body may be made of", solid_kinds },
+         { "solid", VALUE_TEXT, "the name of the solid it is made of; default: the first", NULL },
+         { "cuts", VALUE_LIST, "planar cuts", &cut },
+         { "camera", VALUE_OBJECT, "where pictures are taken from; default: fitted from the front, right and above",
+           &camera },
+         { "render", VALUE_OBJECT, "how pictures are made", &render }),
+    NULL, NAMES("pith", "shape"), NULL,
+};
