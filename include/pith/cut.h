@@ -29,6 +29,10 @@ void pith_shell_measure(const pith_shell *shell, double *skin, double *section, 
  *  Wüthrich 1998) of the triangles round the vertex that are of the same kind, skin or section, and turned away by no
  *  more than `crease` degrees (0..180). O(triangles), parallel. */
 pith_status pith_shell_normals(const pith_shell *shell, double crease, pith_vec3 (*normals)[3], pith_error *err);
+/** Barycentric coordinates of every triangle's corners in its source tet of the original model, [triangle_count][3][4],
+ *  caller's array. They are linear over the triangle: a point between the corners has the same mix of them. With
+ *  source_tet they are what a solid needs to answer without searching. O(triangles), parallel. */
+void pith_shell_weights(const pith_shell *shell, double (*weights)[3][4]);
 
 typedef struct pith_part pith_part;
 typedef struct pith_part_view {

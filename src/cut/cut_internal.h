@@ -5,7 +5,17 @@
 
 #include "pith/cut.h"
 
+#include <stdatomic.h>
+
+/* The model all parts and shells of one family come from: where source tets lie. Shared and counted, never changed. */
+typedef struct cut_origin {
+    atomic_uint users;
+    pith_vec3 *positions;
+    uint32_t (*tets)[4];
+} cut_origin;
+
 struct pith_part {
+    cut_origin *origin;
     pith_vec3 *positions, *material;
     uint32_t (*tets)[4];
     uint32_t *source_tet;
@@ -14,6 +24,7 @@ struct pith_part {
 };
 
 struct pith_shell {
+    cut_origin *origin;
     pith_vec3 *positions, *material;
     uint32_t (*triangles)[3];
     uint32_t *source_tet;
@@ -110,7 +121,8 @@ pith_status cut_soup_add(cut_soup *soup, const cut_triangle *triangle, pith_erro
 pith_status cut_shell_make(const pith_part *part, const cut_march *march, const cut_soup *soup, pith_shell **shell,
                            pith_error *err);
 
-/* A part with its arrays allocated and empty. */
-pith_status cut_part_new(uint32_t vertex_count, uint32_t tet_count, pith_part **part, pith_error *err);
+/* A part with its arrays allocated and empty, one more user of the origin. */
+pith_status cut_part_new(cut_origin *origin, uint32_t vertex_count, uint32_t tet_count, pith_part **part,
+                         pith_error *err);
 
 #endif

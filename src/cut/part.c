@@ -5,11 +5,45 @@
 
 const uint8_t cut_face_corners[4][3] = { { 1, 2, 3 }, { 0, 3, 2 }, { 0, 1, 3 }, { 0, 2, 1 } };
 
+/* ---- the common origin ---------------------------------------------------------------------------------------- */
+
+static cut_origin *origin_share(cut_origin *origin)
+{
+    if (origin) atomic_fetch_add(&origin->users, 1);
+    return origin;
+}
+
+static void origin_release(cut_origin *origin)
+{
+    if (!origin || atomic_fetch_sub(&origin->users, 1) != 1) return;
+    pith_free(origin->positions);
+    pith_free(origin->tets);
+    pith_free(origin);
+}
+
+static pith_status origin_new(const pith_tets_view *view, cut_origin **origin, pith_error *err)
+{
+    cut_origin *o = pith_alloc(1, sizeof *o);
+    if (!o) return PITH_OUT_OF_MEMORY(err, "a part's origin");
+    atomic_init(&o->users, 1);
+    o->positions = pith_alloc(view->vertex_count, sizeof *o->positions);
+    o->tets = pith_alloc(view->tet_count, sizeof *o->tets);
+    if (!o->positions || !o->tets) {
+        origin_release(o);
+        return PITH_OUT_OF_MEMORY(err, "a part's origin");
+    }
+    memcpy(o->positions, view->positions, view->vertex_count * sizeof *o->positions);
+    memcpy(o->tets, view->tets, view->tet_count * sizeof *o->tets);
+    *origin = o;
+    return PITH_OK;
+}
+
 /* ---- parts --------------------------------------------------------------------------------------------------- */
 
 void pith_part_destroy(pith_part *part)
 {
     if (!part) return;
+    origin_release(part->origin);
     pith_free(part->positions);
     pith_free(part->material);
     pith_free(part->tets);
@@ -18,10 +52,12 @@ void pith_part_destroy(pith_part *part)
     pith_free(part);
 }
 
-pith_status cut_part_new(uint32_t vertex_count, uint32_t tet_count, pith_part **part, pith_error *err)
+pith_status cut_part_new(cut_origin *origin, uint32_t vertex_count, uint32_t tet_count, pith_part **part,
+                         pith_error *err)
 {
     pith_part *p = pith_alloc(1, sizeof *p);
     if (!p) return PITH_OUT_OF_MEMORY(err, "a part");
+    p->origin = origin_share(origin);
     p->vertex_count = vertex_count;
     p->tet_count = tet_count;
     p->positions = pith_alloc(vertex_count, sizeof *p->positions);
@@ -42,8 +78,12 @@ pith_status pith_part_whole(const pith_tets *tets, pith_part **part, pith_error 
     if (!tets || !part)
         return pith_fail(err, PITH_BAD_ARGUMENT, "pith_part_whole: %s is NULL", tets ? "part" : "tets");
     const pith_tets_view view = pith_tets_look(tets);
+    cut_origin *origin;
+    PITH_TRY(origin_new(&view, &origin, err));
     pith_part *p;
-    PITH_TRY(cut_part_new(view.vertex_count, view.tet_count, &p, err));
+    const pith_status status = cut_part_new(origin, view.vertex_count, view.tet_count, &p, err);
+    origin_release(origin); /* the part keeps it, or nobody does */
+    if (status != PITH_OK) return status;
 
     memcpy(p->positions, view.positions, view.vertex_count * sizeof *p->positions);
     memcpy(p->material, view.positions, view.vertex_count * sizeof *p->material);
@@ -105,6 +145,7 @@ pith_status pith_part_plane_values(const pith_part *part, const pith_plane *plan
 void pith_shell_destroy(pith_shell *shell)
 {
     if (!shell) return;
+    origin_release(shell->origin);
     pith_free(shell->positions);
     pith_free(shell->material);
     pith_free(shell->triangles);
@@ -129,10 +170,12 @@ pith_status cut_soup_add(cut_soup *soup, const cut_triangle *triangle, pith_erro
     return PITH_OK;
 }
 
-static pith_status shell_new(uint32_t vertex_count, uint32_t triangle_count, pith_shell **shell, pith_error *err)
+static pith_status shell_new(cut_origin *origin, uint32_t vertex_count, uint32_t triangle_count, pith_shell **shell,
+                             pith_error *err)
 {
     pith_shell *s = pith_alloc(1, sizeof *s);
     if (!s) return PITH_OUT_OF_MEMORY(err, "a shell");
+    s->origin = origin_share(origin);
     s->vertex_count = vertex_count;
     s->triangle_count = triangle_count;
     s->positions = pith_alloc(vertex_count, sizeof *s->positions);
@@ -172,7 +215,7 @@ pith_status cut_shell_make(const pith_part *part, const cut_march *march, const 
             code_of[vertex_count] = code;
             number[code] = ++vertex_count;
         }
-    PITH_TRY_OR(done, shell_new(vertex_count, (uint32_t)soup->count, &s, err));
+    PITH_TRY_OR(done, shell_new(part->origin, vertex_count, (uint32_t)soup->count, &s, err));
     for (uint32_t i = 0; i < vertex_count; ++i) {
         if (code_of[i] < part->vertex_count) {
             s->positions[i] = part->positions[code_of[i]];
@@ -241,4 +284,18 @@ void pith_shell_measure(const pith_shell *shell, double *skin, double *section, 
     if (skin) *skin = area[0];
     if (section) *section = area[1];
     if (volume) *volume = six / 6.0;
+}
+
+void pith_shell_weights(const pith_shell *shell, double (*weights)[3][4])
+{
+#pragma omp parallel for num_threads(pith_threads()) schedule(static) if (shell->triangle_count > 4096)
+    for (uint32_t i = 0; i < shell->triangle_count; ++i) {
+        const uint32_t *t = shell->origin->tets[shell->source_tet[i]];
+        const pith_vec3 *p = shell->origin->positions;
+        for (int k = 0; k < 3; ++k) {
+            double *w = weights[i][k];
+            if (!pith_barycentric(p[t[0]], p[t[1]], p[t[2]], p[t[3]], shell->material[shell->triangles[i][k]], w))
+                w[0] = w[1] = w[2] = w[3] = 0.25;
+        }
+    }
 }

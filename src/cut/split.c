@@ -154,7 +154,7 @@ static pith_status make_part(const cut_march *march, const pieces *list, pith_pa
         if (number[i]) number[i] = ++vertex_count;
 
     pith_part *p;
-    PITH_TRY_OR(done, cut_part_new(vertex_count, (uint32_t)list->count, &p, err));
+    PITH_TRY_OR(done, cut_part_new(march->part->origin, vertex_count, (uint32_t)list->count, &p, err));
     for (size_t i = 0; i < codes; ++i)
         if (number[i])
             cut_march_vertex(march, (uint32_t)i, &p->positions[number[i] - 1], &p->material[number[i] - 1]);

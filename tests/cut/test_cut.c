@@ -234,6 +234,9 @@ static void test_triangles_know_tet_kind_and_material(void **state)
     halves h = cut_plane(part, point, normal);
     for (int s = 0; s < 2; ++s) {
         const pith_shell_view shell = pith_shell_look(h.side[s]);
+        double(*weights)[3][4] = calloc(shell.triangle_count, sizeof *weights);
+        assert_non_null(weights);
+        pith_shell_weights(h.side[s], weights);
         for (uint32_t i = 0; i < shell.triangle_count; ++i) {
             pith_vec3 c = pith_v3(0, 0, 0);
             for (int k = 0; k < 3; ++k) {
@@ -248,11 +251,15 @@ static void test_triangles_know_tet_kind_and_material(void **state)
             double w[4] = { NAN, NAN, NAN, NAN };
             assert_true(pith_barycentric(view.positions[t[0]], view.positions[t[1]], view.positions[t[2]],
                                          view.positions[t[3]], c, w));
-            for (int k = 0; k < 4; ++k) CHECK_AT_LEAST(w[k], -1e-12);
+            for (int k = 0; k < 4; ++k) {
+                CHECK_AT_LEAST(w[k], -1e-12);
+                CHECK_NEAR((weights[i][0][k] + weights[i][1][k] + weights[i][2][k]) / 3, w[k], 1e-12);
+            }
         }
+        free(weights);
     }
+    pith_part_destroy(part); /* shells outlive their part */
     drop(&h);
-    pith_part_destroy(part);
     pith_tets_destroy(tets);
 }
 
