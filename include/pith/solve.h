@@ -19,7 +19,7 @@ typedef struct pith_least_squares pith_least_squares;
 typedef struct pith_solve_options {
     uint32_t method;    /* 0 auto: Cholesky up to direct_limit unknowns, else conjugate gradients; 1 direct; 2 cg */
     uint32_t direct_limit;
-    double tolerance;   /* cg stops when |residual| <= tolerance * |right-hand side| */
+    double tolerance;   /* cg stops when |residual| <= tolerance * |right-hand side|, both over sqrt(diagonal) */
     uint32_t max_iterations;
 } pith_solve_options;
 extern const pith_params pith_solve_params;

@@ -1,0 +1,432 @@
+/* Conjugate gradients on normal equations, preconditioned by shifted incomplete Cholesky without fill, up to four
+ * right-hand sides in one sweep over the matrices.
+ *
+ * Meijerink and van der Vorst 1977 (incomplete factors); Manteuffel 1980 (the shift: squares of Laplacians are no
+ * M-matrices, and without it the factorisation breaks down); Cuthill and McKee 1969 (the order of unknowns).
+ *
+ * The unknowns are scaled so that the matrix has a unit diagonal: the iteration then does not care how heavy single rows
+ * are, and the norm of the residual treats all unknowns alike. The matrix is applied as Sᵀ(S x) + Cᵀ(C x), which reads half of what SᵀS would. The factor is kept in single
+ * precision: it only has to point the way, and reading it is most of the time. Sums over all unknowns go through blocks
+ * of fixed size, so the result does not depend on the number of threads. Each right-hand side has a recurrence of its
+ * own and gets the bits it would get alone.
+ */
+#include "solve_internal.h"
+
+#include <string.h>
+
+enum { MOST_WIDE = 4, CHUNK = 2048 };
+
+struct cg_system {
+    uint32_t count;
+    uint32_t *order;        /* [count] order[k] is the unknown that comes k-th in here */
+    double *scale;              /* [count] 1 / sqrt(diagonal of the matrix): unknowns are x / scale in here */
+    sparse smooth, constrain, smooth_t, constrain_t; /* columns in the new order, times scale */
+    /* The incomplete factor: strict lower part by rows, and 1 / diagonal. */
+    uint32_t *start, *column;   /* [count + 1] */
+    float *value, *inverse;     /* [count] */
+};
+
+void cg_destroy(cg_system *system)
+{
+    if (!system) return;
+    sparse_free(&system->smooth);
+    sparse_free(&system->constrain);
+    sparse_free(&system->smooth_t);
+    sparse_free(&system->constrain_t);
+    pith_free(system->order);
+    pith_free(system->start);
+    pith_free(system->column);
+    pith_free(system->value);
+    pith_free(system->inverse);
+    pith_free(system->scale);
+    pith_free(system);
+}
+
+/* ---- order of unknowns ---------------------------------------------------------------------------------------------- */
+
+/* Appends everything connected with `seed` at order[first..], breadth first, giving it the mark `stamp`; returns the
+   new end. Unknowns in a common row of the smoothness matrix are neighbours. */
+static uint32_t walk_component(const sparse *rows, const sparse *by_unknown, uint32_t seed, uint32_t stamp,
+                               uint32_t first, uint32_t *order, unsigned char *mark)
+{
+    uint32_t end = first;
+    order[end++] = seed;
+    mark[seed] = (unsigned char)stamp;
+    for (uint32_t at = first; at < end; ++at)
+        for (uint32_t t = by_unknown->start[order[at]]; t < by_unknown->start[order[at] + 1]; ++t) {
+            const uint32_t row = by_unknown->column[t];
+            for (uint32_t e = rows->start[row]; e < rows->start[row + 1]; ++e) {
+                const uint32_t next = rows->column[e];
+                if (mark[next] == stamp) continue;
+                mark[next] = (unsigned char)stamp;
+                order[end++] = next;
+            }
+        }
+    return end;
+}
+
+/* Cuthill and McKee's order without their sorting by degree, reversed: each component breadth first from an unknown at
+   its far end. Neighbours come to lie near each other in memory, and the incomplete factor gets better. */
+static pith_status order_unknowns(const sparse *smooth, cg_system *system, pith_error *err)
+{
+    const uint32_t n = system->count;
+    sparse by_unknown = { 0 };
+    system->order = pith_alloc(n, sizeof *system->order);
+    unsigned char *mark = pith_alloc(n, sizeof *mark);
+    pith_status status = PITH_OK;
+    if (!system->order || !mark) {
+        status = PITH_OUT_OF_MEMORY(err, "the order of unknowns");
+        goto done;
+    }
+    PITH_TRY_OR(done, sparse_transpose(smooth, &by_unknown, err));
+    uint32_t *order = system->order;
+    for (uint32_t seed = 0, filled = 0; seed < n; ++seed) {
+        if (mark[seed]) continue;
+        const uint32_t end = walk_component(smooth, &by_unknown, seed, 1, filled, order, mark);
+        filled = walk_component(smooth, &by_unknown, order[end - 1], 2, filled, order, mark);
+    }
+    for (uint32_t a = 0, b = n - 1; a < b; ++a, --b) {
+        const uint32_t held = order[a];
+        order[a] = order[b], order[b] = held;
+    }
+done:
+    pith_free(mark);
+    sparse_free(&by_unknown);
+    return status;
+}
+
+/* A copy with its columns renamed, and its rows sorted by their first column when sort_rows. */
+static pith_status rename_columns(const sparse *from, const uint32_t *place, bool sort_rows, sparse *to,
+                                  pith_error *err)
+{
+    const uint32_t rows = from->rows, columns = from->columns;
+    const size_t entries = from->start[rows];
+    uint32_t *bucket = pith_alloc((size_t)columns + 2, sizeof *bucket), *lowest = pith_alloc(rows, sizeof *lowest);
+    uint32_t *sequence = pith_alloc(rows, sizeof *sequence), *start = pith_alloc((size_t)rows + 1, sizeof *start);
+    uint32_t *column = pith_alloc(entries, sizeof *column);
+    double *value = pith_alloc(entries, sizeof *value);
+    pith_status status = PITH_OK;
+    if (!bucket || !lowest || !sequence || !start || !column || !value) {
+        status = PITH_OUT_OF_MEMORY(err, "the reordered system");
+        goto done;
+    }
+    /* Counting sort of the rows by their lowest new column; empty rows come last. */
+    for (uint32_t row = 0; row < rows; ++row) {
+        lowest[row] = sort_rows ? columns : 0;
+        for (uint32_t e = from->start[row]; e < from->start[row + 1]; ++e)
+            if (place[from->column[e]] < lowest[row]) lowest[row] = place[from->column[e]];
+        ++bucket[lowest[row] + 1];
+    }
+    for (uint32_t c = 0; c <= columns; ++c) bucket[c + 1] += bucket[c];
+    for (uint32_t row = 0; row < rows; ++row) sequence[bucket[lowest[row]]++] = row;
+    uint32_t filled = 0;
+    for (uint32_t k = 0; k < rows; ++k) {
+        for (uint32_t e = from->start[sequence[k]]; e < from->start[sequence[k] + 1]; ++e) {
+            column[filled] = place[from->column[e]];
+            value[filled++] = from->value[e];
+        }
+        start[k + 1] = filled;
+    }
+    const pith_sparse_view view = { rows, columns, start, column, value };
+    status = sparse_copy(&view, "reordered", to, err);
+done:
+    pith_free(bucket);
+    pith_free(lowest);
+    pith_free(sequence);
+    pith_free(start);
+    pith_free(column);
+    pith_free(value);
+    return status;
+}
+
+static pith_status take_matrices(const sparse *smooth, const sparse *constrain, cg_system *system, pith_error *err)
+{
+    uint32_t *place = pith_alloc(system->count, sizeof *place);
+    if (!place) return PITH_OUT_OF_MEMORY(err, "the order of unknowns");
+    for (uint32_t k = 0; k < system->count; ++k) place[system->order[k]] = k;
+    pith_status status = rename_columns(smooth, place, true, &system->smooth, err);
+    if (status == PITH_OK) status = rename_columns(constrain, place, false, &system->constrain, err);
+    pith_free(place);
+    return status;
+}
+
+static void add_squares(const sparse *matrix, double *sums)
+{
+    for (size_t e = 0; e < matrix->start[matrix->rows]; ++e)
+        sums[matrix->column[e]] += matrix->value[e] * matrix->value[e];
+}
+
+static void scale_columns(sparse *matrix, const double *scale)
+{
+    for (size_t e = 0; e < matrix->start[matrix->rows]; ++e) matrix->value[e] *= scale[matrix->column[e]];
+}
+
+/* Gives the normal matrix a unit diagonal. */
+static pith_status scale_unknowns(cg_system *system, pith_error *err)
+{
+    const uint32_t n = system->count;
+    system->scale = pith_alloc(n, sizeof *system->scale);
+    if (!system->scale) return PITH_OUT_OF_MEMORY(err, "the scaling of unknowns");
+    add_squares(&system->smooth, system->scale);
+    add_squares(&system->constrain, system->scale);
+    for (uint32_t i = 0; i < n; ++i) {
+        if (!(system->scale[i] > 0.0))
+            return pith_fail(err, PITH_BAD_ARGUMENT, "the system is singular: nothing is said about unknown %u of %u; "
+                             "add a row for it", system->order[i], n);
+        system->scale[i] = 1.0 / sqrt(system->scale[i]);
+    }
+    scale_columns(&system->smooth, system->scale);
+    scale_columns(&system->constrain, system->scale);
+    PITH_TRY(sparse_transpose(&system->smooth, &system->smooth_t, err));
+    return sparse_transpose(&system->constrain, &system->constrain_t, err);
+}
+
+/* ---- incomplete factor ------------------------------------------------------------------------------------------------ */
+
+/* Row by row: L_ik = (a_ik - Σ L_kj L_ij) / L_kk over the pattern of `lower`, with `shift` added to the unit diagonal.
+   row [count] is zeroed scratch and is left so. Returns false at a pivot too small to be of use. */
+static bool factor_shifted(const sparse *lower, double shift, double *factor, double *row)
+{
+    const uint32_t n = lower->rows;
+    bool good = true;
+    for (uint32_t i = 0; i < n && good; ++i) {
+        const uint32_t first = lower->start[i], diagonal = lower->start[i + 1] - 1;
+        double pivot = 1.0 + shift;
+        for (uint32_t e = first; e < diagonal; ++e) {
+            const uint32_t k = lower->column[e], last = lower->start[k + 1] - 1;
+            double sum = lower->value[e];
+            for (uint32_t f = lower->start[k]; f < last; ++f) sum -= factor[f] * row[lower->column[f]];
+            row[k] = factor[e] = sum / factor[last];
+            pivot -= factor[e] * factor[e];
+        }
+        for (uint32_t e = first; e < diagonal; ++e) row[lower->column[e]] = 0.0;
+        good = pivot > 1e-3;
+        factor[diagonal] = sqrt(pivot);
+    }
+    return good;
+}
+
+/* Keeps the factor as floats, the strict part apart from the diagonal. */
+static void keep_factor(const sparse *lower, const double *factor, cg_system *system)
+{
+    uint32_t filled = 0;
+    for (uint32_t i = 0; i < system->count; ++i) {
+        const uint32_t diagonal = lower->start[i + 1] - 1;
+        for (uint32_t e = lower->start[i]; e < diagonal; ++e) {
+            system->column[filled] = lower->column[e];
+            system->value[filled++] = (float)factor[e];
+        }
+        system->start[i + 1] = filled;
+        system->inverse[i] = (float)(1.0 / factor[diagonal]);
+    }
+}
+
+static pith_status make_factor(cg_system *system, pith_error *err)
+{
+    const uint32_t n = system->count;
+    sparse lower = { 0 };
+    PITH_TRY(sparse_normal(&system->smooth, &system->constrain, &lower, err));
+    const size_t entries = lower.start[n];
+    double *factor = pith_alloc(entries, sizeof *factor), *row = pith_alloc(n, sizeof *row);
+    system->start = pith_alloc((size_t)n + 1, sizeof *system->start);
+    system->column = pith_alloc(entries, sizeof *system->column);
+    system->value = pith_alloc(entries, sizeof *system->value);
+    system->inverse = pith_alloc(n, sizeof *system->inverse);
+    pith_status status = PITH_OK;
+    if (!factor || !row || !system->start || !system->column || !system->value || !system->inverse) {
+        status = PITH_OUT_OF_MEMORY(err, "the incomplete factor");
+        goto done;
+    }
+    double shift = 1e-3; /* doubled until it holds; a matrix with a unit diagonal surely holds before 1e6 */
+    while (!factor_shifted(&lower, shift, factor, row)) {
+        shift *= 2.0;
+        if (!(shift < 1e6)) {
+            status = pith_fail(err, PITH_NOT_CONVERGED, "the preconditioner of %u unknowns could not be built", n);
+            goto done;
+        }
+    }
+    keep_factor(&lower, factor, system);
+done:
+    sparse_free(&lower);
+    pith_free(factor);
+    pith_free(row);
+    return status;
+}
+
+pith_status cg_create(const sparse *smooth, const sparse *constrain, cg_system **system, pith_error *err)
+{
+    cg_system *made = pith_alloc(1, sizeof *made);
+    if (!made) return PITH_OUT_OF_MEMORY(err, "the system");
+    made->count = smooth->columns;
+    pith_status status = order_unknowns(smooth, made, err);
+    if (status == PITH_OK) status = take_matrices(smooth, constrain, made, err);
+    if (status == PITH_OK) status = scale_unknowns(made, err);
+    if (status == PITH_OK) status = make_factor(made, err);
+    if (status != PITH_OK) {
+        cg_destroy(made);
+        return status;
+    }
+    *system = made;
+    return PITH_OK;
+}
+
+/* ---- the iteration ------------------------------------------------------------------------------------------------------ */
+
+/* All vectors hold `width` right-hand sides side by side: [count][width]. */
+typedef struct iteration {
+    const cg_system *system;
+    uint32_t width, chunks;
+    double *residual, *ahead, *product, *preconditioned;
+    double *smooth_rows, *constrain_rows;   /* S x and C x */
+    double (*partial)[MOST_WIDE];           /* [chunks] */
+} iteration;
+
+/* z = M⁻¹ r. One thread: each row waits for the rows before it. Inlined with a constant width. */
+static inline __attribute__((always_inline)) void precondition_wide(const cg_system *s, uint32_t width, const double *r,
+                                                                    double *z)
+{
+    for (uint32_t i = 0; i < s->count; ++i) {
+        double sum[MOST_WIDE];
+        for (uint32_t k = 0; k < width; ++k) sum[k] = r[(size_t)i * width + k];
+        for (uint32_t e = s->start[i]; e < s->start[i + 1]; ++e)
+            for (uint32_t k = 0; k < width; ++k) sum[k] -= s->value[e] * z[(size_t)s->column[e] * width + k];
+        for (uint32_t k = 0; k < width; ++k) z[(size_t)i * width + k] = sum[k] * s->inverse[i];
+    }
+    for (uint32_t i = s->count; i-- > 0;) {
+        double here[MOST_WIDE];
+        for (uint32_t k = 0; k < width; ++k) {
+            here[k] = z[(size_t)i * width + k] * s->inverse[i];
+            z[(size_t)i * width + k] = here[k];
+        }
+        for (uint32_t e = s->start[i]; e < s->start[i + 1]; ++e)
+            for (uint32_t k = 0; k < width; ++k) z[(size_t)s->column[e] * width + k] -= s->value[e] * here[k];
+    }
+}
+
+static void precondition(const cg_system *system, uint32_t width, const double *r, double *z)
+{
+    switch (width) {
+    case 1: precondition_wide(system, 1, r, z); break;
+    case 2: precondition_wide(system, 2, r, z); break;
+    case 3: precondition_wide(system, 3, r, z); break;
+    default: precondition_wide(system, 4, r, z); break;
+    }
+}
+
+static void apply_matrix(const iteration *it, const double *x, double *y)
+{
+    const cg_system *s = it->system;
+    sparse_multiply(&s->smooth, it->width, x, it->smooth_rows, false);
+    sparse_multiply(&s->smooth_t, it->width, it->smooth_rows, y, false);
+    if (s->constrain.rows == 0) return;
+    sparse_multiply(&s->constrain, it->width, x, it->constrain_rows, false);
+    sparse_multiply(&s->constrain_t, it->width, it->constrain_rows, y, true);
+}
+
+/* dots[k] = a_k · b_k; chunks are summed one after the other whichever thread made them. */
+static void dots(const iteration *it, const double *a, const double *b, double result[MOST_WIDE])
+{
+    const uint32_t width = it->width, count = it->system->count;
+#pragma omp parallel for num_threads(pith_threads()) schedule(static)
+    for (uint32_t chunk = 0; chunk < it->chunks; ++chunk) {
+        const uint32_t first = chunk * CHUNK, last = count - first < CHUNK ? count : first + CHUNK;
+        double sum[MOST_WIDE] = { 0 };
+        for (uint32_t i = first; i < last; ++i)
+            for (uint32_t k = 0; k < width; ++k) sum[k] += a[(size_t)i * width + k] * b[(size_t)i * width + k];
+        memcpy(it->partial[chunk], sum, sizeof sum);
+    }
+    for (uint32_t k = 0; k < width; ++k) result[k] = 0.0;
+    for (uint32_t chunk = 0; chunk < it->chunks; ++chunk)
+        for (uint32_t k = 0; k < width; ++k) result[k] += it->partial[chunk][k];
+}
+
+/* y = y * keep + x * factor, per right-hand side. */
+static void combine(const iteration *it, const double keep[MOST_WIDE], double *y, const double factor[MOST_WIDE],
+                    const double *x)
+{
+    const uint32_t width = it->width;
+#pragma omp parallel for num_threads(it->chunks > 2 ? pith_threads() : 1) schedule(static)
+    for (uint32_t i = 0; i < it->system->count; ++i)
+        for (uint32_t k = 0; k < width; ++k) {
+            const size_t at = (size_t)i * width + k;
+            y[at] = y[at] * keep[k] + x[at] * factor[k];
+        }
+}
+
+/* Until every right-hand side has met its tolerance; those that have stand still (their step is 0). */
+static pith_status iterate(iteration *it, double *x, double tolerance, uint32_t max_iterations, uint32_t *iterations,
+                           pith_error *err)
+{
+    static const double ones[MOST_WIDE] = { 1, 1, 1, 1 };
+    const uint32_t width = it->width;
+    double bound[MOST_WIDE], rr[MOST_WIDE], rz[MOST_WIDE], pq[MOST_WIDE], step[MOST_WIDE], back[MOST_WIDE];
+    dots(it, it->residual, it->residual, rr);
+    for (uint32_t k = 0; k < width; ++k) bound[k] = tolerance * tolerance * rr[k];
+    for (uint32_t round = 0;; ++round) {
+        bool done = true;
+        double worst = 0.0;
+        for (uint32_t k = 0; k < width; ++k) {
+            done = done && rr[k] <= bound[k];
+            if (!(rr[k] <= bound[k])) worst = fmax(worst, tolerance * sqrt(rr[k] / bound[k]));
+        }
+        if (iterations) *iterations = round;
+        if (done) return PITH_OK;
+        if (round == max_iterations)
+            return pith_fail(err, PITH_NOT_CONVERGED, "conjugate gradients reached a residual of %.3g after %u "
+                             "iterations, expected %.3g; allow more iterations or a larger tolerance, or use the "
+                             "direct method", worst, round, tolerance);
+
+        /* p = z + β p, with β = 0 in the first round. */
+        double rz_before[MOST_WIDE];
+        if (round > 0) memcpy(rz_before, rz, sizeof rz);
+        precondition(it->system, width, it->residual, it->preconditioned);
+        dots(it, it->residual, it->preconditioned, rz);
+        for (uint32_t k = 0; k < width; ++k) back[k] = round > 0 && rz_before[k] > 0.0 ? rz[k] / rz_before[k] : 0.0;
+        combine(it, back, it->ahead, ones, it->preconditioned);
+
+        apply_matrix(it, it->ahead, it->product);
+        dots(it, it->ahead, it->product, pq);
+        for (uint32_t k = 0; k < width; ++k) {
+            const bool still = rr[k] <= bound[k];
+            if (!still && !(pq[k] > 0.0))
+                return pith_fail(err, PITH_BAD_ARGUMENT, "the system is singular: some of its %u unknowns are not fixed "
+                                 "by any row; add constraints", it->system->count);
+            step[k] = still ? 0.0 : rz[k] / pq[k];
+        }
+        combine(it, ones, x, step, it->ahead);
+        for (uint32_t k = 0; k < width; ++k) step[k] = -step[k];
+        combine(it, ones, it->residual, step, it->product);
+        dots(it, it->residual, it->residual, rr);
+    }
+}
+
+pith_status cg_solve(const cg_system *system, uint32_t width, const double *right, double tolerance,
+                     uint32_t max_iterations, double *x, uint32_t *iterations, pith_error *err)
+{
+    const uint32_t n = system->count, chunks = (n + CHUNK - 1) / CHUNK;
+    const size_t size = (size_t)n * width;
+    double *block = pith_alloc(5 * size, sizeof *block);
+    iteration it = { system, width, chunks, block, block + size, block + 2 * size, block + 3 * size,
+                     pith_alloc((size_t)system->smooth.rows * width, sizeof(double)),
+                     pith_alloc((size_t)system->constrain.rows * width, sizeof(double)),
+                     pith_alloc(chunks, sizeof *it.partial) };
+    pith_status status = PITH_OK;
+    if (!block || !it.smooth_rows || !it.constrain_rows || !it.partial) {
+        status = PITH_OUT_OF_MEMORY(err, "conjugate gradients");
+        goto done;
+    }
+    double *solution = block + 4 * size;
+    for (uint32_t i = 0; i < n; ++i)
+        for (uint32_t k = 0; k < width; ++k)
+            it.residual[(size_t)i * width + k] = right[(size_t)system->order[i] * width + k] * system->scale[i];
+    PITH_TRY_OR(done, iterate(&it, solution, tolerance, max_iterations, iterations, err));
+    for (uint32_t i = 0; i < n; ++i)
+        for (uint32_t k = 0; k < width; ++k)
+            x[(size_t)system->order[i] * width + k] = solution[(size_t)i * width + k] * system->scale[i];
+done:
+    pith_free(block);
+    pith_free(it.smooth_rows);
+    pith_free(it.constrain_rows);
+    pith_free(it.partial);
+    return status;
+}
