@@ -161,6 +161,13 @@ int mesh_orient3d(pith_vec3 a, pith_vec3 b, pith_vec3 c, pith_vec3 d);
 /* Sign of (b - a) x (c - a) in the plane left when `axis` (0, 1, 2) is dropped, exact. */
 int mesh_orient2d(pith_vec3 a, pith_vec3 b, pith_vec3 c, int axis);
 
+/* ---- mesh_turn.c, mesh_measure.c: steps of cleaning ---- */
+
+/* Turns triangles in place: neighbours alike, closed patches outward, cavities inward; adds to *flipped. */
+pith_status mesh_turn(pith_mesh *mesh, uint32_t *flipped, pith_error *err);
+/* Fills all of the report but the counts of repairs; the mesh has been checked. */
+pith_status mesh_measure_into(const pith_mesh *mesh, pith_mesh_report *report, pith_error *err);
+
 /* ---- mesh_crossing.c ---- */
 
 #define MESH_CROSSING_LIMIT 10000
