@@ -175,9 +175,11 @@ void bytes_unshuffle(const unsigned char *planes, size_t count, size_t width, vo
 
 /* What is kept of a stage, to and from bytes; each loader checks every length and index it reads. */
 typedef struct byte_writer { unsigned char *bytes; size_t size, capacity; bool failed; } byte_writer;
+unsigned char *write_room(byte_writer *out, size_t size);   /* for the caller to fill; NULL after a failure */
 void write_bytes(byte_writer *out, const void *bytes, size_t size);
 void write_words(byte_writer *out, const void *words, size_t count, size_t width);   /* shuffled */
 typedef struct byte_reader { const unsigned char *bytes; size_t size, at; bool failed; } byte_reader;
+const unsigned char *read_room(byte_reader *in, size_t size);   /* NULL when so much is not there */
 void read_bytes(byte_reader *in, void *bytes, size_t size);
 void read_words(byte_reader *in, void *words, size_t count, size_t width);
 

@@ -1,0 +1,200 @@
+/* What is kept of each stage, as bytes, and the keys under which it is kept. */
+#include <string.h>
+
+#include "document_internal.h"
+
+/* Raised when a stage's algorithm changes its result, so that old saved models are built again. */
+enum { STAGE_VERSION = 1 };
+
+/* ---- tets ----------------------------------------------------------------------------------------------------------------- */
+
+pith_status stage_save_tets(const pith_tets *tets, const pith_tets_report *report, byte_writer *out, pith_error *err)
+{
+    const pith_tets_view view = pith_tets_look(tets);
+    const uint32_t counts[2] = { view.vertex_count, view.tet_count };
+    write_bytes(out, counts, sizeof counts);
+    write_words(out, view.positions, (size_t)view.vertex_count * 3, sizeof(double));
+    write_words(out, view.tets, (size_t)view.tet_count * 4, sizeof(uint32_t));
+    write_bytes(out, report, sizeof *report);
+    return out->failed ? PITH_OUT_OF_MEMORY(err, "saved tetrahedra") : PITH_OK;
+}
+
+pith_status stage_load_tets(byte_reader *in, pith_tets **tets, pith_tets_report *report, pith_error *err)
+{
+    uint32_t counts[2] = { 0, 0 };
+    read_bytes(in, counts, sizeof counts);
+    pith_status status = PITH_OK;
+    pith_vec3 *positions = NULL;
+    uint32_t(*corners)[4] = NULL;
+    /* The counts are only believed when that many bytes are there. */
+    if (in->failed || (in->size - in->at) / sizeof *positions < counts[0] ||
+        (in->size - in->at) / sizeof *corners < counts[1])
+        return pith_fail(err, PITH_BAD_FILE, "the saved tetrahedra are cut off");
+    positions = pith_alloc(counts[0], sizeof *positions);
+    corners = pith_alloc(counts[1], sizeof *corners);
+    pith_tets_report read = { 0 };
+    if (!positions || !corners) {
+        status = PITH_OUT_OF_MEMORY(err, "saved tetrahedra");
+    } else {
+        read_words(in, positions, (size_t)counts[0] * 3, sizeof(double));
+        read_words(in, corners, (size_t)counts[1] * 4, sizeof(uint32_t));
+        read_bytes(in, &read, sizeof read);
+        const pith_tets_view view = { positions, (const uint32_t(*)[4])corners, NULL, counts[0], counts[1] };
+        status = in->failed ? pith_fail(err, PITH_BAD_FILE, "the saved tetrahedra are cut off")
+                            : pith_tets_create(&view, tets, err);
+    }
+    read.why[sizeof read.why - 1] = 0;
+    if (status == PITH_OK) *report = read;
+    pith_free(positions);
+    pith_free(corners);
+    return status;
+}
+
+/* ---- exemplar ---------------------------------------------------------------------------------------------------------- */
+
+/* Colours and opacity as 8 bits, further channels as 16 bits over their range; what is not finite counts as 0. */
+static float finite_or_zero(float value) { return isfinite(value) ? value : 0.0f; }
+
+static void pack_channel(const pith_grid *grid, uint32_t channel, byte_writer *out)
+{
+    const size_t count = (size_t)grid->size[0] * grid->size[1] * grid->size[2], stride = grid->channels;
+    const float *values = grid->values + channel;
+    if (channel < 4) {
+        uint8_t *bytes = write_room(out, count);
+        for (size_t i = 0; bytes && i < count; ++i) {
+            const float value = finite_or_zero(values[i * stride]);
+            const float shown = channel < 3 ? pith_srgb_encode(value) : fminf(fmaxf(value, 0.0f), 1.0f);
+            bytes[i] = (uint8_t)(shown * 255.0f + 0.5f);
+        }
+        return;
+    }
+    float range[2] = { INFINITY, -INFINITY };
+    for (size_t i = 0; i < count; ++i) {
+        range[0] = fminf(range[0], finite_or_zero(values[i * stride]));
+        range[1] = fmaxf(range[1], finite_or_zero(values[i * stride]));
+    }
+    write_bytes(out, range, sizeof range);
+    const float scale = range[1] > range[0] ? 65535.0f / (range[1] - range[0]) : 0.0f;
+    for (size_t i = 0; i < count; ++i) {
+        const uint16_t word = (uint16_t)fminf((finite_or_zero(values[i * stride]) - range[0]) * scale + 0.5f, 65535.0f);
+        write_bytes(out, &word, sizeof word);
+    }
+}
+
+static void unpack_channel(byte_reader *in, pith_grid *grid, uint32_t channel)
+{
+    const size_t count = (size_t)grid->size[0] * grid->size[1] * grid->size[2], stride = grid->channels;
+    float *values = grid->values + channel;
+    if (channel < 4) {
+        float shades[256];
+        for (int i = 0; i < 256; ++i) shades[i] = channel < 3 ? pith_srgb_decode((float)i / 255.0f) : (float)i / 255.0f;
+        const uint8_t *bytes = read_room(in, count);
+        for (size_t i = 0; bytes && i < count; ++i) values[i * stride] = shades[bytes[i]];
+        return;
+    }
+    float range[2] = { 0, 0 };
+    read_bytes(in, range, sizeof range);
+    const float step = (range[1] - range[0]) / 65535.0f;
+    for (size_t i = 0; i < count && !in->failed; ++i) {
+        uint16_t word = 0;
+        read_bytes(in, &word, sizeof word);
+        values[i * stride] = range[0] + step * (float)word;
+    }
+}
+
+pith_status exemplar_pack(const pith_grid *exemplar, byte_writer *out, pith_error *err)
+{
+    const uint32_t head[4] = { exemplar->size[0], exemplar->size[1], exemplar->size[2], exemplar->channels };
+    write_bytes(out, head, sizeof head);
+    for (uint32_t c = 0; c < exemplar->channels; ++c) pack_channel(exemplar, c, out);
+    return out->failed ? PITH_OUT_OF_MEMORY(err, "the saved exemplar") : PITH_OK;
+}
+
+pith_status exemplar_unpack(byte_reader *in, pith_grid **exemplar, pith_error *err)
+{
+    uint32_t head[4] = { 0 };
+    read_bytes(in, head, sizeof head);
+    size_t wanted = head[3];
+    bool fine = !in->failed && head[3] > 0;
+    for (int k = 0; k < 3; ++k) fine = fine && head[k] > 0 && !__builtin_mul_overflow(wanted, head[k], &wanted);
+    if (!fine || wanted > in->size - in->at) return pith_fail(err, PITH_BAD_FILE, "the saved exemplar is cut off");
+    pith_grid *grid = NULL;
+    PITH_TRY(pith_grid_create(head, head[3], &grid, err));
+    grid->origin = pith_v3(0, 0, 0);
+    grid->spacing = pith_v3(1.0 / head[0], 1.0 / head[1], 1.0 / head[2]);
+    for (uint32_t c = 0; c < grid->channels; ++c) unpack_channel(in, grid, c);
+    if (in->failed) {
+        pith_grid_destroy(grid);
+        return pith_fail(err, PITH_BAD_FILE, "the saved exemplar is cut off");
+    }
+    *exemplar = grid;
+    return PITH_OK;
+}
+
+/* ---- keys -------------------------------------------------------------------------------------------------------------- */
+
+uint64_t hash_options(const pith_params *table, const void *options, uint64_t seed)
+{
+    uint64_t hash = pith_hash_bytes(table->name, strlen(table->name), seed);
+    for (size_t i = 0; i < table->count; ++i) {
+        const double value = pith_param_get(&table->items[i], options);
+        hash = pith_hash_bytes(table->items[i].name, strlen(table->items[i].name), hash);
+        hash = pith_hash_bytes(&value, sizeof value, hash);
+    }
+    return hash;
+}
+
+static pith_status hash_file(const char *path, uint64_t *hash, pith_error *err)
+{
+    unsigned char *bytes;
+    size_t size;
+    PITH_TRY(pith_file_read(path, &bytes, &size, err));
+    *hash = pith_hash_bytes(bytes, size, *hash);
+    pith_free(bytes);
+    return PITH_OK;
+}
+
+static uint64_t hash_constraints(const pith_document *document, uint64_t hash)
+{
+    for (size_t i = 0; i < document->constraint_count; ++i) {
+        const pith_depth_constraint *c = &document->constraints[i];
+        const uint64_t kind = (uint64_t)c->kind;
+        hash = pith_hash_bytes(&kind, sizeof kind, hash);
+        hash = pith_hash_bytes(&c->depth, sizeof c->depth, hash);
+        if (c->points) hash = pith_hash_bytes(c->points, c->count * sizeof *c->points, hash);
+        if (c->faces) hash = pith_hash_bytes(c->faces, c->count * sizeof *c->faces, hash);
+    }
+    return hash_options(&pith_depth_params, &document->depth, hash);
+}
+
+pith_status stage_keys_of(const pith_document *document, stage_keys *keys, pith_error *err)
+{
+    stage_keys made;
+    const uint64_t start = pith_mix64(STAGE_VERSION);
+
+    made.tets = start;
+    if (document->mesh_file) PITH_TRY(hash_file(document->mesh_file, &made.tets, err));
+    else made.tets = hash_options(&pith_fruit_params, &document->fruit, made.tets);
+    made.tets = hash_options(&pith_tets_params, &document->tets, made.tets);
+    made.tets = hash_options(&pith_refine_params, &document->refine, made.tets);
+    /* Refining looks at the depth field. */
+    if (document->refine.passes > 0) made.tets = hash_constraints(document, made.tets);
+
+    made.fields = hash_constraints(document, made.tets);
+    for (size_t i = 0; i < document->stroke_count; ++i) {
+        const pith_stroke *stroke = &document->strokes[i];
+        made.fields = pith_hash_bytes(stroke->points, stroke->count * sizeof *stroke->points, made.fields);
+    }
+    made.fields = hash_options(&pith_smoothing_params, &document->smoothing, made.fields);
+
+    made.exemplar = made.patches = start;
+    const document_solid *solid = document->solid_count ? &document->solids[document->solid] : NULL;
+    if (solid && solid->kind == SOLID_LAPPED) {
+        if (solid->exemplar_file) PITH_TRY(hash_file(solid->exemplar_file, &made.exemplar, err));
+        else made.exemplar = pith_hash_bytes(&solid->recipe->hash, sizeof solid->recipe->hash, made.exemplar);
+        made.patches = pith_mix64(made.exemplar) ^ made.fields;
+        made.patches = hash_options(&pith_lapped_params, &solid->lapped, made.patches);
+    }
+    *keys = made;
+    return PITH_OK;
+}
