@@ -78,7 +78,7 @@ pith_status pith_part_whole(const pith_tets *tets, pith_part **part, pith_error 
     if (!tets || !part)
         return pith_fail(err, PITH_BAD_ARGUMENT, "pith_part_whole: %s is NULL", tets ? "part" : "tets");
     const pith_tets_view view = pith_tets_look(tets);
-    cut_origin *origin;
+    cut_origin *origin = NULL;
     PITH_TRY(origin_new(&view, &origin, err));
     pith_part *p;
     const pith_status status = cut_part_new(origin, view.vertex_count, view.tet_count, &p, err);
