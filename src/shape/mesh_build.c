@@ -7,10 +7,11 @@ pith_status mesh_builder_vertex(mesh_builder *builder, const mesh_vertex *vertex
 {
     if (builder->vertex_count >= UINT32_MAX - 1)
         return pith_fail(err, PITH_BAD_FILE, "%s: more than %u vertices", builder->name, UINT32_MAX - 1);
+    const mesh_vertex copy = *vertex; /* it may lie in the array that is about to move */
     if (!pith_grow((void **)&builder->vertices, &builder->vertex_room, builder->vertex_count + 1,
                    sizeof *builder->vertices))
         return PITH_OUT_OF_MEMORY(err, builder->name);
-    builder->vertices[builder->vertex_count++] = *vertex;
+    builder->vertices[builder->vertex_count++] = copy;
     return PITH_OK;
 }
 
