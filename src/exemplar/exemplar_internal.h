@@ -6,15 +6,24 @@
 
 /* ---- noise.c ------------------------------------------------------------------------------------------------- */
 
+#define EXEMPLAR_SIDE_MAX 256
 #define NOISE_OCTAVES_MAX 6
+#define NOISE_CELLS_MAX (EXEMPLAR_SIDE_MAX / 2)
 
-/* One octave: a lattice of gradients, periodic along r and t, one layer of it around the range of s. */
+/* Where a column of voxels lies between lattice points along r: the same for every row, so worked out once. */
+typedef struct noise_column {
+    uint32_t cell[2];
+    float place, fade;
+} noise_column;
+
+/* One octave: a lattice of gradients, periodic along r and t. */
 typedef struct noise_octave {
     uint32_t count_r, count_s, count_t; /* lattice points; count_r, count_t: cells of one period */
     double per_r, per_s, per_t;         /* lattice cells in one texture unit; 0: does not vary along this axis */
     double phase_r, phase_t;            /* keeps the zeros at lattice points of all octaves from lining up at r = 0 */
     float amplitude;
     float (*gradients)[3];              /* [count_t][count_s][count_r] */
+    noise_column *columns;              /* [voxels along r] */
 } noise_octave;
 
 typedef struct noise {
@@ -28,6 +37,8 @@ pith_status noise_make(const pith_noise_layer *layer, const uint32_t voxels[3], 
 void noise_free(noise *n);
 /* About -1..1, mean 0; period 1 along r and t; any real r and t, s in 0..1. */
 float noise_at(const noise *n, double r, double s, double t);
+/* The same at all cell centres of a row, values [voxels along r], but for rounding; some ten times as fast. */
+void noise_row(const noise *n, uint32_t voxels_r, double s, double t, float *values);
 
 /* ---- particles.c --------------------------------------------------------------------------------------------- */
 

@@ -50,9 +50,9 @@ static pith_status check_recipe(const pith_layered_recipe *recipe, pith_error *e
 {
     const uint32_t sizes[3] = { recipe->size_r, recipe->size_s, recipe->size_t_ };
     for (int axis = 0; axis < 3; ++axis)
-        if (sizes[axis] < 8 || sizes[axis] > 256)
-            return pith_fail(err, PITH_BAD_ARGUMENT, "size: %u voxels along %c, expected 8 to 256", (unsigned)sizes[axis],
-                             "rst"[axis]);
+        if (sizes[axis] < 8 || sizes[axis] > EXEMPLAR_SIDE_MAX)
+            return pith_fail(err, PITH_BAD_ARGUMENT, "size: %u voxels along %c, expected 8 to %d", (unsigned)sizes[axis],
+                             "rst"[axis], EXEMPLAR_SIDE_MAX);
     PITH_TRY(check_stops(recipe, err));
     if (!(recipe->strip_blend >= 0.0 && recipe->strip_blend <= 1.0))
         return pith_fail(err, PITH_BAD_ARGUMENT, "strip_blend is %g, expected 0 (only the ramp) to 1", recipe->strip_blend);
@@ -193,36 +193,55 @@ static double noise_weight(const pith_noise_layer *l, double value)
     return smooth((v - 0.5 + half) / (2.0 * half));
 }
 
-/* One voxel of the layers without particles. */
-static void paint_voxel(const workshop *w, uint32_t i, uint32_t j, uint32_t k)
+/* The depths at which a row's colours are looked up: s moved by the warps. Returns their range. */
+static void warp_row(const workshop *w, double s, double t, double *depth, double range[2])
 {
     const pith_layered_recipe *recipe = w->recipe;
-    const double r = (i + 0.5) / recipe->size_r, s = (j + 0.5) / recipe->size_s, t = (k + 0.5) / recipe->size_t_;
-    float *value = w->exemplar->values + (((size_t)k * recipe->size_s + j) * recipe->size_r + i) * w->exemplar->channels;
-
-    /* warps: from here on the place is looked up at `depth` */
-    double depth = s;
+    for (uint32_t i = 0; i < recipe->size_r; ++i) depth[i] = s;
     for (size_t n = 0; n < recipe->noise_count; ++n) {
         const pith_noise_layer *l = &recipe->noises[n];
-        const double window = l->warp > 0.0 ? depth_window(l, s) : 0.0;
-        if (window > 0.0) depth += l->warp * window * fmin(fmax(noise_at(&w->noises[n], r, s, t), -1.0f), 1.0f);
+        const double shift = l->warp > 0.0 ? l->warp * depth_window(l, s) : 0.0;
+        if (!(shift > 0.0)) continue;
+        float value[EXEMPLAR_SIDE_MAX];
+        noise_row(&w->noises[n], recipe->size_r, s, t, value);
+        for (uint32_t i = 0; i < recipe->size_r; ++i) depth[i] += shift * fminf(fmaxf(value[i], -1.0f), 1.0f);
     }
-    depth = fmin(fmax(depth, 0.0), 1.0);
+    range[0] = 1.0, range[1] = 0.0;
+    for (uint32_t i = 0; i < recipe->size_r; ++i) {
+        depth[i] = fmin(fmax(depth[i], 0.0), 1.0);
+        range[0] = fmin(range[0], depth[i]), range[1] = fmax(range[1], depth[i]);
+    }
+}
+
+/* One row of voxels, s and t fixed, of the layers without particles. */
+static void paint_row(const workshop *w, uint32_t j, uint32_t k)
+{
+    const pith_layered_recipe *recipe = w->recipe;
+    const uint32_t n_r = recipe->size_r, channels = w->exemplar->channels;
+    const double s = (j + 0.5) / recipe->size_s, t = (k + 0.5) / recipe->size_t_;
+    float *row = w->exemplar->values + ((size_t)k * recipe->size_s + j) * n_r * channels;
+    double depth[EXEMPLAR_SIDE_MAX], range[2];
+    warp_row(w, s, t, depth, range);
 
     /* base colour */
-    value[0] = value[1] = value[2] = 0.0f;
-    value[3] = 1.0f;
-    if (recipe->stop_count) ramp_at(recipe->stops, recipe->stop_count, depth, value);
-    if (w->strip) blend_strip(recipe, w->strip, i, depth, value);
-
-    /* colouring noises, in order */
+    for (uint32_t i = 0; i < n_r; ++i) {
+        float *value = row + (size_t)i * channels;
+        value[3] = 1.0f;
+        if (recipe->stop_count) ramp_at(recipe->stops, recipe->stop_count, depth[i], value);
+        if (w->strip) blend_strip(recipe, w->strip, i, depth[i], value);
+    }
+    /* colouring noises, in order; those that act elsewhere are not evaluated */
     for (size_t n = 0; n < recipe->noise_count; ++n) {
         const pith_noise_layer *l = &recipe->noises[n];
-        const double window = l->warp > 0.0 ? 0.0 : depth_window(l, depth);
-        if (!(window > 0.0)) continue;
-        const double weight = window * noise_weight(l, noise_at(&w->noises[n], r, s, t));
-        for (int c = 0; c < 3; ++c) value[c] += (float)(l->amount * weight) * (l->colour[c] - value[c]);
-        if (w->exemplar->channels > 4) value[4] += (float)(l->displacement * weight);
+        if (l->warp > 0.0 || range[0] > l->depth_high || range[1] < l->depth_low) continue;
+        float noise_value[EXEMPLAR_SIDE_MAX];
+        noise_row(&w->noises[n], n_r, s, t, noise_value);
+        for (uint32_t i = 0; i < n_r; ++i) {
+            float *value = row + (size_t)i * channels;
+            const double weight = depth_window(l, depth[i]) * noise_weight(l, noise_value[i]);
+            for (int c = 0; c < 3; ++c) value[c] += (float)(l->amount * weight) * (l->colour[c] - value[c]);
+            if (channels > 4) value[4] += (float)(l->displacement * weight);
+        }
     }
 }
 
@@ -276,8 +295,7 @@ pith_status pith_exemplar_layered(const pith_layered_recipe *recipe, pith_grid *
         /* A slice is written by one thread alone, its particles in their order: the same bytes for any thread count. */
 #pragma omp parallel for num_threads(pith_threads()) schedule(dynamic)
         for (uint32_t k = 0; k < recipe->size_t_; ++k) {
-            for (uint32_t j = 0; j < recipe->size_s; ++j)
-                for (uint32_t i = 0; i < recipe->size_r; ++i) paint_voxel(&w, i, j, k);
+            for (uint32_t j = 0; j < recipe->size_s; ++j) paint_row(&w, j, k);
             for (size_t n = 0; n < recipe->particle_count; ++n)
                 particles_paint_slice(&recipe->particles[n], w.particles[n], w.counts[n], w.exemplar, k);
         }

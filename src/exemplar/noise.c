@@ -20,6 +20,29 @@ static pith_status fill_lattice(noise_octave *o, uint64_t seed, pith_error *err)
     return PITH_OK;
 }
 
+static inline float fade_curve(float x) { return x * x * x * (x * (x * 6.0f - 15.0f) + 10.0f); }
+
+/* The lattice cell of a periodic coordinate and its neighbour; returns the place between them, 0..1. */
+static inline float wrap_cell(double x, uint32_t count, uint32_t cell[2])
+{
+    const double low = floor(x), wrapped = low - floor(low / count) * count;
+    cell[0] = wrapped < count ? (uint32_t)wrapped : 0;
+    cell[1] = cell[0] + 1 < count ? cell[0] + 1 : 0;
+    return (float)(x - low);
+}
+
+static pith_status place_columns(noise_octave *o, uint32_t voxels_r, pith_error *err)
+{
+    o->columns = pith_alloc(voxels_r, sizeof *o->columns);
+    if (!o->columns) return PITH_OUT_OF_MEMORY(err, "a noise lattice");
+    for (uint32_t i = 0; i < voxels_r; ++i) {
+        noise_column *column = &o->columns[i];
+        column->place = wrap_cell((i + 0.5) / voxels_r * o->per_r + o->phase_r, o->count_r, column->cell);
+        column->fade = fade_curve(column->place);
+    }
+    return PITH_OK;
+}
+
 /* Cells of one period along a periodic axis: 0 where the feature is longer than two periods, at most one a two voxels. */
 static uint32_t periodic_cells(double feature, double scale, uint32_t voxels)
 {
@@ -49,8 +72,9 @@ pith_status noise_make(const pith_noise_layer *layer, const uint32_t voxels[3], 
         o->phase_t = (double)(octave_seed >> 16 & 0xffff) / 65536.0;
         o->amplitude = (float)amplitude;
         power += amplitude * amplitude;
-        const pith_status status = fill_lattice(o, octave_seed, err);
         n.octave_count = i + 1;
+        pith_status status = fill_lattice(o, octave_seed, err);
+        if (status == PITH_OK) status = place_columns(o, voxels[0], err);
         if (status != PITH_OK) {
             noise_free(&n);
             return status;
@@ -64,19 +88,11 @@ pith_status noise_make(const pith_noise_layer *layer, const uint32_t voxels[3], 
 
 void noise_free(noise *n)
 {
-    for (uint32_t i = 0; i < n->octave_count; ++i) pith_free(n->octaves[i].gradients);
+    for (uint32_t i = 0; i < n->octave_count; ++i) {
+        pith_free(n->octaves[i].gradients);
+        pith_free(n->octaves[i].columns);
+    }
     n->octave_count = 0;
-}
-
-static inline float fade_curve(float x) { return x * x * x * (x * (x * 6.0f - 15.0f) + 10.0f); }
-
-/* The lattice cell of a periodic coordinate and its neighbour; returns the place between them, 0..1. */
-static inline float wrap_cell(double x, uint32_t count, uint32_t cell[2])
-{
-    const double low = floor(x), wrapped = low - floor(low / count) * count;
-    cell[0] = wrapped < count ? (uint32_t)wrapped : 0;
-    cell[1] = cell[0] + 1 < count ? cell[0] + 1 : 0;
-    return (float)(x - low);
 }
 
 static float octave_at(const noise_octave *o, double r, double s, double t)
@@ -111,4 +127,39 @@ float noise_at(const noise *n, double r, double s, double t)
     for (uint32_t i = 0; i < n->octave_count; ++i)
         sum += n->octaves[i].amplitude * octave_at(&n->octaves[i], r, s, t);
     return sum;
+}
+
+/* s and t are fixed along a row, so each lattice point's four gradients above and below melt into one line in r: a slope
+   and a height. What is left for a voxel is to fade between two lines. */
+static void add_octave_row(const noise_octave *o, uint32_t voxels_r, double s, double t, float *values)
+{
+    uint32_t it[2];
+    const float fz = wrap_cell(t * o->per_t + o->phase_t, o->count_t, it);
+    const double y = s * o->per_s;
+    const uint32_t is[2] = { (uint32_t)y, (uint32_t)y + 1 };
+    const float fy = (float)(y - is[0]), v = fade_curve(fy), w = fade_curve(fz);
+
+    float slope[NOISE_CELLS_MAX], height[NOISE_CELLS_MAX];
+    for (uint32_t a = 0; a < o->count_r; ++a) slope[a] = height[a] = 0.0f;
+    for (int c = 0; c < 2; ++c)
+        for (int b = 0; b < 2; ++b) {
+            const float weight = o->amplitude * (b ? v : 1.0f - v) * (c ? w : 1.0f - w);
+            const float(*g)[3] = (const float(*)[3])o->gradients + ((size_t)it[c] * o->count_s + is[b]) * o->count_r;
+            for (uint32_t a = 0; a < o->count_r; ++a) {
+                slope[a] += weight * g[a][0];
+                height[a] += weight * (g[a][1] * (fy - (float)b) + g[a][2] * (fz - (float)c));
+            }
+        }
+    for (uint32_t i = 0; i < voxels_r; ++i) {
+        const noise_column *at = &o->columns[i];
+        const float low = height[at->cell[0]] + slope[at->cell[0]] * at->place;
+        const float high = height[at->cell[1]] + slope[at->cell[1]] * (at->place - 1.0f);
+        values[i] += low + at->fade * (high - low);
+    }
+}
+
+void noise_row(const noise *n, uint32_t voxels_r, double s, double t, float *values)
+{
+    for (uint32_t i = 0; i < voxels_r; ++i) values[i] = 0.0f;
+    for (uint32_t i = 0; i < n->octave_count; ++i) add_octave_row(&n->octaves[i], voxels_r, s, t, values);
 }
