@@ -118,7 +118,7 @@ static const struct {
     mesh_writer *write; /* NULL: only read */
 } formats[] = {
     { "obj", mesh_read_obj, mesh_write_obj }, { "ply", mesh_read_ply, mesh_write_ply },
-    { "off", mesh_read_off, NULL },
+    { "glb", mesh_read_glb, mesh_write_glb }, { "off", mesh_read_off, NULL },
     { "stl", mesh_read_stl, NULL },
 };
 enum { FORMAT_COUNT = sizeof formats / sizeof *formats };
