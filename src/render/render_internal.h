@@ -1,0 +1,62 @@
+/* What the files of the render room share: the scene made ready for rays, and the samples of a tile. */
+#ifndef PITH_RENDER_INTERNAL_H
+#define PITH_RENDER_INTERNAL_H
+
+#include "pith/render.h"
+
+/* ---- sampling -------------------------------------------------------------------------------------------------- */
+
+/* Which pair of random numbers: each use has its own, so that they are stratified each and independent of each other. */
+typedef enum render_use { RENDER_PIXEL, RENDER_LIGHT, RENDER_SKY, RENDER_USES } render_use;
+
+/* Two numbers in [0, 1) for sample `index` of `count`, the same whoever asks in whatever order. */
+void render_pair(uint64_t pixel_seed, uint32_t index, uint32_t count, render_use use, double out[2]);
+/* A point of the unit disc, uniform; a direction round the unit normal, density cos / pi. */
+void render_disc(const double pair[2], double *x, double *y);
+pith_vec3 render_cosine(const double pair[2], pith_vec3 normal);
+
+/* ---- the scene --------------------------------------------------------------------------------------------------- */
+
+typedef struct render_scene {
+    const pith_render_item *items;      /* [item_count] */
+    size_t item_count;
+    const pith_render_options *options;
+
+    /* All shells as one mesh, each where it stands, so that one tracer serves all. */
+    pith_tracer *tracer;
+    pith_vec3 *positions, *material;    /* [vertex_count] */
+    uint32_t (*triangles)[3];           /* [triangle_count] */
+    pith_vec3 (*normals)[3];            /* [triangle_count] at the corners */
+    double (*weights)[3][4];            /* [triangle_count] of the corners in the source tet */
+    uint32_t *source_tet, *item_of;     /* [triangle_count] */
+    uint32_t vertex_count, triangle_count, channels; /* channels: the most any solid has */
+
+    pith_vec3 centre;                   /* of a sphere round everything */
+    double radius, offset;              /* offset: how far rays start off the surface they leave */
+
+    pith_vec3 eye, forward, right, up;  /* camera frame; right and up already span one pixel at distance 1 */
+    pith_vec3 sky;                      /* unit, away from the floor */
+    pith_vec3 light, light_x, light_y;  /* towards the light's middle; to its rim along two axes */
+    bool has_floor;
+    pith_vec3 floor_point;
+    double background[3];               /* linear */
+} render_scene;
+
+pith_status render_scene_make(render_scene *scene, const pith_render_item *items, size_t count,
+                              const pith_camera *camera, const pith_render_options *options, pith_error *err);
+void render_scene_free(render_scene *scene);
+
+/* ---- tiles ----------------------------------------------------------------------------------------------------------- */
+
+enum { RENDER_TILE = 32, RENDER_BATCH = 8192, RENDER_LAYERS = 8 };
+
+/* Everything one thread needs to render a tile; made once per thread. */
+typedef struct render_scratch render_scratch;
+render_scratch *render_scratch_new(const render_scene *scene); /* NULL: no memory */
+void render_scratch_free(render_scratch *scratch);
+
+/* Renders the pixels of one tile into the image. */
+pith_status render_tile(const render_scene *scene, render_scratch *scratch, uint32_t tile_x, uint32_t tile_y,
+                        pith_image *image, pith_error *err);
+
+#endif
