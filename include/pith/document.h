@@ -71,7 +71,8 @@ const pith_layered_recipe *pith_recipe_look(const pith_recipe *recipe);
 typedef struct pith_model pith_model;
 
 typedef struct pith_model_options {
-    bool cache;             /* read and write the cache file beside the document: its path with a 'c' at the end */
+    bool cache;             /* read and write the cache file: the saved model */
+    const char *cache_file; /* where it is; NULL: beside the document, its path with a 'c' at the end */
 } pith_model_options;
 
 /** Where the time went; seconds, negative when the stage came from the cache or was not needed. */

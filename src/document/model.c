@@ -23,13 +23,12 @@ void model_note(pith_model *model, const char *format, ...)
 
 /* ---- life ------------------------------------------------------------------------------------------------------------- */
 
-static pith_status open_cache(pith_model *model, pith_error *err)
+static pith_status open_cache(pith_model *model, const char *cache_file, pith_error *err)
 {
-    const size_t length = strlen(model->document->path);
-    char *path = pith_alloc(length + 2, 1);
+    const char *beside = model->document->path;
+    char *path = pith_alloc(strlen(cache_file ? cache_file : beside) + 2, 1);
     if (!path) return PITH_OUT_OF_MEMORY(err, "a path");
-    memcpy(path, model->document->path, length);
-    path[length] = 'c';
+    sprintf(path, "%s%s", cache_file ? cache_file : beside, cache_file ? "" : "c");
     pith_status status = cache_create(path, &model->store, err);
     pith_free(path);
     if (status != PITH_OK) return status;
@@ -49,7 +48,7 @@ pith_status pith_model_create(const pith_document *document, const pith_model_op
     made->times = (pith_model_times){ -1, -1, -1, -1, -1, -1 };
     pith_status status = stage_keys_of(document, &made->keys, err);
     if (status == PITH_OK) status = pith_model_set_cuts(made, document->cuts, document->cut_count, err);
-    if (status == PITH_OK && options && options->cache) status = open_cache(made, err);
+    if (status == PITH_OK && options && options->cache) status = open_cache(made, options->cache_file, err);
     if (status == PITH_OK) *model = made;
     else pith_model_destroy(made);
     return status;
@@ -431,7 +430,7 @@ static pith_status build_exemplar(pith_model *model, const document_solid *solid
 
 pith_status pith_model_exemplar(pith_model *model, const pith_grid **exemplar, pith_error *err)
 {
-    const document_solid *solid;
+    const document_solid *solid = NULL;
     PITH_TRY(chosen_solid(model, &solid, err));
     if (solid->kind != SOLID_LAPPED)
         return pith_fail(err, PITH_BAD_ARGUMENT, "the solid \"%s\" has no exemplar: it is not lapped", solid->name);
@@ -515,7 +514,7 @@ static pith_status build_grid(pith_model *model, const document_solid *solid, pi
 
 pith_status pith_model_solid(pith_model *model, const pith_solid **solid, pith_error *err)
 {
-    const document_solid *chosen;
+    const document_solid *chosen = NULL;
     PITH_TRY(chosen_solid(model, &chosen, err));
     if (!model->solid && chosen->kind == SOLID_GRID) PITH_TRY(build_grid(model, chosen, err));
     if (!model->solid) {

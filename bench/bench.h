@@ -1,0 +1,28 @@
+/* What the benches share: one table (bench.c), one file a bench, cases as JSON objects so that text, JSON and CSV come
+   from the same numbers. Measures are named with their unit: fill_s, cut_median_ms, sample_all_points_per_s. */
+#ifndef PITH_BENCH_H
+#define PITH_BENCH_H
+
+#include "cli.h"
+
+typedef struct bench_options {
+    int repeats;    /* timed runs after one warm-up */
+    bool curve;     /* lapped: the kiwi from 5 000 to 500 000 tetrahedra */
+    int largest;    /* lapped: the curve stops here */
+} bench_options;
+
+/* Appends cases {"name": …, measures…} to the list. */
+typedef pith_status bench_run(const bench_options *options, json_t *cases, pith_error *err);
+bench_run bench_lapped, bench_fields, bench_render;
+
+/* Times of repeated runs. */
+typedef struct bench_times { double seconds[64]; int count; } bench_times;
+void bench_add(bench_times *times, double seconds);
+double bench_min(const bench_times *times);
+double bench_median(const bench_times *times);
+
+/* Largest resident set since the last reset, bytes (of the whole process where the system cannot reset it). */
+void bench_reset_peak(void);
+double bench_peak(void);
+
+#endif

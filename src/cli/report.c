@@ -1,0 +1,110 @@
+/* What the program says: errors, progress, JSON; and what the verbs share to open a model. */
+#include "cli.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+int cli_fail(const char *verb, const pith_error *err)
+{
+    cli_progress_done();
+    fprintf(stderr, "pith %s: %s\n", verb, err->message);
+    return EXIT_FAILED;
+}
+
+int cli_finish_output(const char *verb)
+{
+    if (fflush(stdout) == 0 && !ferror(stdout)) return EXIT_DONE;
+    fprintf(stderr, "pith %s: the standard output cannot be written: %s\n", verb, strerror(errno));
+    return EXIT_FAILED;
+}
+
+/* ---- progress ----------------------------------------------------------------------------------------------------------- */
+
+static bool bar_shown;
+
+static bool draw_bar(void *user, double fraction, const char *what)
+{
+    (void)user;
+    static double last;
+    const double now = pith_seconds();
+    if (bar_shown && now - last < 0.05) return true;
+    last = now;
+    bar_shown = true;
+    const int filled = (int)(30.0 * fmin(fmax(fraction, 0.0), 1.0));
+    fprintf(stderr, "\r\033[K[%.*s%*s] %3.0f %% %s", filled, "##############################", 30 - filled, "",
+            100.0 * fraction, what);
+    fflush(stderr);
+    return true;
+}
+
+const pith_progress *cli_progress(void)
+{
+    static const pith_progress bar = { draw_bar, NULL };
+    return isatty(STDERR_FILENO) ? &bar : NULL;
+}
+
+void cli_progress_done(void)
+{
+    if (bar_shown) fprintf(stderr, "\r\033[K");
+    bar_shown = false;
+}
+
+/* ---- JSON ----------------------------------------------------------------------------------------------------------------- */
+
+int cli_print_json(json_t *json)
+{
+    cli_progress_done();
+    const bool written = json && json_dumpf(json, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(10)) == 0;
+    printf("\n");
+    json_decref(json);
+    if (written) return cli_finish_output("--json");
+    fprintf(stderr, "pith: the report could not be printed\n");
+    return EXIT_FAILED;
+}
+
+json_t *cli_point_json(pith_vec3 point) { return json_pack("[fff]", point.x, point.y, point.z); }
+
+/* ---- models --------------------------------------------------------------------------------------------------------------- */
+
+int cli_open(const char *verb, const char *path, const cli_model_flags *flags, cli_model *opened)
+{
+    pith_error err;
+    if (flags->threads > 0) pith_threads_set(flags->threads);
+    memset(opened, 0, sizeof *opened);
+    if (pith_document_load(path, &opened->document, &err) != PITH_OK) return cli_fail(verb, &err);
+    const pith_model_options options = { .cache = !flags->no_cache };
+    if (pith_model_create(opened->document, &options, cli_progress(), &opened->model, &err) == PITH_OK) return CLI_GO_ON;
+    pith_document_destroy(opened->document);
+    return cli_fail(verb, &err);
+}
+
+void cli_close(cli_model *opened)
+{
+    cli_progress_done();
+    const char *notes = opened->model ? pith_model_notes(opened->model) : "";
+    if (notes[0]) fprintf(stderr, "%s\n", notes);
+    pith_model_destroy(opened->model);
+    pith_document_destroy(opened->document);
+}
+
+/* ---- places --------------------------------------------------------------------------------------------------------------- */
+
+void cli_program_folder(char *path, size_t capacity)
+{
+    const ssize_t length = readlink("/proc/self/exe", path, capacity - 1);
+    path[length > 0 ? length : 0] = 0;
+    char *slash = strrchr(path, '/');
+    if (slash) slash[1] = 0;
+}
+
+bool cli_find_example(const char *name, char *path, size_t capacity)
+{
+    char folder[800];
+    cli_program_folder(folder, sizeof folder);
+    snprintf(path, capacity, "%s../examples/%s", folder, name);
+    if (pith_file_exists(path)) return true;
+    snprintf(path, capacity, "%s/examples/%s", PITH_SOURCE_DIR, name);
+    return pith_file_exists(path);
+}
