@@ -29,6 +29,7 @@ typedef struct render_scene {
     pith_vec3 (*normals)[3];            /* [triangle_count] at the corners */
     double (*weights)[3][4];            /* [triangle_count] of the corners in the source tet */
     uint32_t *source_tet, *item_of;     /* [triangle_count] */
+    uint8_t *kinds;                     /* [triangle_count] pith_face_kind */
     uint32_t vertex_count, triangle_count, channels; /* channels: the most any solid has */
 
     pith_vec3 centre;                   /* of a sphere round everything */

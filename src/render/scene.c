@@ -11,16 +11,16 @@ static const pith_param render_items[] = {
     { "samples", "1", "rays per pixel; more are smoother and slower", PITH_PARAM_UINT, 1, 16, 65536,
       offsetof(pith_render_options, samples), NULL },
     { "light_azimuth", "degree", "where the light stands: 0 at the camera's side, more goes round to its right",
-      PITH_PARAM_DOUBLE, -360, -40, 360, offsetof(pith_render_options, light_azimuth), NULL },
-    { "light_elevation", "degree", "how high the light stands above the floor", PITH_PARAM_DOUBLE, -90, 52, 90,
+      PITH_PARAM_DOUBLE, -360, -50, 360, offsetof(pith_render_options, light_azimuth), NULL },
+    { "light_elevation", "degree", "how high the light stands above the floor", PITH_PARAM_DOUBLE, -90, 48, 90,
       offsetof(pith_render_options, light_elevation), NULL },
-    { "light_size", "degree", "angular diameter of the light; more makes shadows softer", PITH_PARAM_DOUBLE, 0, 28, 120,
+    { "light_size", "degree", "angular diameter of the light; more makes shadows softer", PITH_PARAM_DOUBLE, 0, 24, 120,
       offsetof(pith_render_options, light_size), NULL },
-    { "light_strength", "1", "light that a surface facing it gets; 1 shows its own colour", PITH_PARAM_DOUBLE, 0, 0.7,
+    { "light_strength", "1", "light that a surface facing it gets; 1 shows its own colour", PITH_PARAM_DOUBLE, 0, 0.8,
       100, offsetof(pith_render_options, light_strength), NULL },
-    { "ambient", "1", "light from all sides; 1 alone shows a surface's own colour", PITH_PARAM_DOUBLE, 0, 0.45, 100,
+    { "ambient", "1", "light from all sides; 1 alone shows a surface's own colour", PITH_PARAM_DOUBLE, 0, 0.42, 100,
       offsetof(pith_render_options, ambient), NULL },
-    { "gloss", "1", "strength of the highlight; 0 is matt", PITH_PARAM_DOUBLE, 0, 0.4, 1,
+    { "gloss", "1", "strength of the highlight on sections, less on skin; 0 is matt", PITH_PARAM_DOUBLE, 0, 0.5, 1,
       offsetof(pith_render_options, gloss), NULL },
     { "exposure", "stop", "brightness; each stop doubles it", PITH_PARAM_DOUBLE, -20, 0, 20,
       offsetof(pith_render_options, exposure), NULL },
@@ -148,8 +148,9 @@ static pith_status merge_items(render_scene *scene, pith_error *err)
     scene->weights = pith_alloc(scene->triangle_count, sizeof *scene->weights);
     scene->source_tet = pith_alloc(scene->triangle_count, sizeof *scene->source_tet);
     scene->item_of = pith_alloc(scene->triangle_count, sizeof *scene->item_of);
+    scene->kinds = pith_alloc(scene->triangle_count, sizeof *scene->kinds);
     if (!scene->positions || !scene->material || !scene->triangles || !scene->normals || !scene->weights ||
-        !scene->source_tet || !scene->item_of)
+        !scene->source_tet || !scene->item_of || !scene->kinds)
         return PITH_OUT_OF_MEMORY(err, "the scene");
 
     uint32_t vertex = 0, triangle = 0;
@@ -159,6 +160,7 @@ static pith_status merge_items(render_scene *scene, pith_error *err)
         PITH_TRY(pith_shell_normals(scene->items[i].shell, crease_degrees, scene->normals + triangle, err));
         pith_shell_weights(scene->items[i].shell, scene->weights + triangle);
         memcpy(scene->source_tet + triangle, view.source_tet, view.triangle_count * sizeof *view.source_tet);
+        memcpy(scene->kinds + triangle, view.kinds, view.triangle_count * sizeof *view.kinds);
         memcpy(scene->material + vertex, view.material, view.vertex_count * sizeof *view.material);
         for (uint32_t v = 0; v < view.vertex_count; ++v)
             scene->positions[vertex + v] = pith_add(view.positions[v], scene->items[i].offset);
@@ -200,6 +202,7 @@ void render_scene_free(render_scene *scene)
     pith_free(scene->weights);
     pith_free(scene->source_tet);
     pith_free(scene->item_of);
+    pith_free(scene->kinds);
     *scene = (render_scene){ 0 };
 }
 

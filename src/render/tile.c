@@ -15,6 +15,7 @@ static const double bounce = 0.35;          /* part of its own colour that hidde
 static const double floor_brightness = 0.8; /* of the background's colour, as light from below */
 static const double shine = 90.0;           /* Blinn's exponent */
 static const double reflectance = 0.05;     /* head on, of something wet */
+static const double skin_gloss = 0.4;       /* of the section's: skins are drier than what they hold */
 static const double shoulder = 0.8;         /* tones below are kept as they are, those above are bent to stay below 1 */
 
 /* One sample on its way. */
@@ -28,6 +29,7 @@ typedef struct path {
 /* A place to shade: on a shell, or on the floor (item PITH_NONE). */
 typedef struct place {
     uint32_t path, item;
+    bool skin;
     pith_vec3 position, view, facet, normal; /* view: towards the eye; normals on the eye's side */
     float albedo[3], alpha;
     uint32_t key_ray, sky_ray;  /* places in the list of rays; PITH_NONE: not blocked by anything */
@@ -157,6 +159,7 @@ static void place_on_shell(const render_scene *scene, const pith_ray *ray, const
     const pith_vec3 *p = scene->positions, *n = scene->normals[hit->triangle];
     const double u = hit->u, w = hit->v, rest = 1.0 - u - w;
     at->item = scene->item_of[hit->triangle];
+    at->skin = scene->kinds[hit->triangle] == PITH_SKIN;
     at->view = pith_scale(ray->direction, -1.0);
     at->position = pith_madd(pith_madd(pith_scale(p[v[0]], rest), p[v[1]], u), p[v[2]], w);
     at->facet = pith_unit(pith_cross(pith_sub(p[v[1]], p[v[0]]), pith_sub(p[v[2]], p[v[0]])));
@@ -302,10 +305,11 @@ static void shade_shell(const render_scene *scene, const render_scratch *s, cons
         const double peak = (shine + 8.0) / 8.0 * pow(fmax(0.0, pith_dot(at->normal, half)), shine);
         glare += o->light_strength * at->facing * peak * fresnel(pith_dot(half, at->view));
     }
+    const double gloss = o->gloss * (at->skin ? skin_gloss : 1.0);
     for (int k = 0; k < 3; ++k) {
         const double albedo = at->albedo[k];
         const double sky = !open ? bounce * albedo : from_floor ? floor_brightness * scene->background[k] : 1.0;
-        colour[k] = albedo * (key + o->ambient * sky) + o->gloss * glare;
+        colour[k] = albedo * (key + o->ambient * sky) + gloss * glare;
     }
     tone(scene, colour);
 }
