@@ -342,8 +342,10 @@ static size_t compose(const render_scene *scene, render_scratch *s, size_t activ
         } else if (at->alpha > 0.0f) {
             shade_floor(scene, s, at, colour);
         }
-        for (int k = 0; k < 3; ++k) p->colour[k] += p->through * alpha * colour[k];
-        if (shell || !scene->options->transparent) p->covered += p->through * alpha;
+        if (shell || !scene->options->transparent) {
+            for (int k = 0; k < 3; ++k) p->colour[k] += p->through * alpha * colour[k];
+            p->covered += p->through * alpha;
+        }
         p->through *= 1.0 - alpha;
         if (!shell || !(p->through > 1e-3)) {
             p->through = 0.0;
