@@ -126,6 +126,7 @@ enum { FORMAT_COUNT = sizeof formats / sizeof *formats };
 pith_status pith_mesh_parse(const char *name, const char *format, const void *bytes, size_t size, pith_mesh **mesh,
                             pith_error *err)
 {
+    if (!bytes) return pith_fail(err, PITH_BAD_ARGUMENT, "%s: no bytes to read (NULL)", name);
     for (size_t f = 0; f < FORMAT_COUNT; ++f) {
         if (strcasecmp(format, formats[f].extension) != 0) continue;
         mesh_builder builder = { .name = name };

@@ -1,6 +1,5 @@
 /* STL, ascii and binary: a soup of triangles, three vertices each; cleaning welds them. The normals stored in the file
    are those of the faces and say nothing that the corners do not, so they are passed over. */
-#define _GNU_SOURCE /* memmem */
 #include "mesh_internal.h"
 
 #include <endian.h>
@@ -75,6 +74,14 @@ static pith_status read_ascii(mesh_builder *builder, const unsigned char *bytes,
     return PITH_OK;
 }
 
+static bool contains(const unsigned char *bytes, size_t size, const char *word)
+{
+    const size_t length = strlen(word);
+    for (size_t at = 0; at + length <= size; ++at)
+        if (memcmp(bytes + at, word, length) == 0) return true;
+    return false;
+}
+
 /* Binary files may start with "solid" too; only in a text file does the word "facet" or "endsolid" follow, and only in
    a binary one does the count of triangles fit the size. */
 static bool is_ascii(const unsigned char *bytes, size_t size)
@@ -86,7 +93,7 @@ static bool is_ascii(const unsigned char *bytes, size_t size)
         if ((uint64_t)le32toh(count) * FACET + HEADER == size) return false;
     }
     const size_t look = size < 4096 ? size : 4096;
-    return memmem(bytes, look, "facet", 5) || memmem(bytes, look, "endsolid", 8);
+    return contains(bytes, look, "facet") || contains(bytes, look, "endsolid");
 }
 
 pith_status mesh_read_stl(mesh_builder *builder, const unsigned char *bytes, size_t size, pith_error *err)
