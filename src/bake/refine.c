@@ -1,13 +1,13 @@
 /* Dividing a closed surface until its edges are short, without opening it.
 
-   Every pass decides edge by edge, by length alone, so the triangles on both sides of an edge agree; a triangle with one,
-   two or three long edges becomes two, three or four. An edge that is halved stays straight: the shape does not change,
-   only how finely a colour per vertex can follow a texture. */
+   Every pass decides edge by edge, by length alone, so the triangles on both sides of an edge agree; a triangle with
+   one, two or three long edges becomes two, three or four. An edge that is halved stays straight: the shape does not
+   change, only how finely a colour per vertex can follow a texture. */
 #include "bake_internal.h"
 
 #include <string.h>
 
-/* ---- making ------------------------------------------------------------------------------------------------------ */
+/* ---- making ----------------------------------------------------------------------------------------------------- */
 
 static const double crease_degrees = 40.0; /* sharper edges of skin or section keep two normals */
 
@@ -52,7 +52,7 @@ done:
     return status;
 }
 
-/* ---- midpoints ----------------------------------------------------------------------------------------------------- */
+/* ---- midpoints -------------------------------------------------------------------------------------------------- */
 
 /* The vertex in the middle of each long edge, found by the edge. */
 typedef struct midpoints {
@@ -101,7 +101,7 @@ static pith_status midpoint_add(bake_surface *s, midpoints *table, uint32_t a, u
     return PITH_OK;
 }
 
-/* ---- dividing one triangle ------------------------------------------------------------------------------------------ */
+/* ---- dividing one triangle -------------------------------------------------------------------------------------- */
 
 /* Corners 0..2 of the triangle and 3..5 in the middle of the sides 01, 12, 20. */
 typedef struct six { uint32_t vertices[6]; bake_corner corners[6]; } six;
@@ -177,7 +177,7 @@ static unsigned divide(const bake_surface *s, const midpoints *table, const bake
     return 3;
 }
 
-/* ---- passes ------------------------------------------------------------------------------------------------------------ */
+/* ---- passes ----------------------------------------------------------------------------------------------------- */
 
 /* Triangles after dividing, from above: each halving of the longest side makes at most four of one. */
 static double count_bound(const bake_surface *s, double edge)

@@ -31,7 +31,7 @@ static void output_free(output *o)
 static bool same(pith_vec3 a, pith_vec3 b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
 
 /* The copy of a surface vertex that serves this corner, made when there is none. Without splitting there is one copy,
-   whose normal is the sum of its corners'. Equal normals are equal to the bit: they are the same sum in the same order. */
+   whose normal is the sum of its corners'. Equal normals are equal to the bit: the same sum in the same order. */
 static uint32_t copy_for(output *o, uint32_t *first, const bake_triangle *t, int k, bool split)
 {
     const bake_corner *corner = &t->corners[k];

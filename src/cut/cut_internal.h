@@ -19,7 +19,7 @@ struct pith_part {
     pith_vec3 *positions, *material;
     uint32_t (*tets)[4];
     uint32_t *source_tet;
-    uint8_t *faces;         /* [tet_count] two bits a face, see cut_face_code: one byte a tet tells the whole boundary */
+    uint8_t *faces;         /* [tet_count] two bits a face, see cut_face_code: a byte a tet tells the whole boundary */
     uint32_t vertex_count, tet_count;
 };
 

@@ -1,5 +1,5 @@
-/* Normals of a shell that are smooth where it is smooth and break where it breaks: at the border of skin and section and
-   at sharp edges.
+/* Normals of a shell that are smooth where it is smooth and break where it breaks: at the border of skin and section
+   and at sharp edges.
 
    Source of the weights: Thürmer, Wüthrich, "Computing vertex normals from polygonal facets", Journal of Graphics Tools
    3(1), 1998: a triangle counts by its angle at the corner, so that the way a polygon was cut into triangles, which
@@ -48,7 +48,8 @@ static double angle_at(const pith_shell *shell, uint32_t corner)
 {
     const uint32_t *v = shell->triangles[corner / 3], k = corner % 3;
     const pith_vec3 p = shell->positions[v[k]];
-    const pith_vec3 e = pith_sub(shell->positions[v[(k + 1) % 3]], p), f = pith_sub(shell->positions[v[(k + 2) % 3]], p);
+    const pith_vec3 e = pith_sub(shell->positions[v[(k + 1) % 3]], p);
+    const pith_vec3 f = pith_sub(shell->positions[v[(k + 2) % 3]], p);
     return atan2(pith_length(pith_cross(e, f)), pith_dot(e, f));
 }
 

@@ -5,7 +5,7 @@
 
 const uint8_t cut_face_corners[4][3] = { { 1, 2, 3 }, { 0, 3, 2 }, { 0, 1, 3 }, { 0, 2, 1 } };
 
-/* ---- the common origin ---------------------------------------------------------------------------------------- */
+/* ---- the common origin ------------------------------------------------------------------------------------------ */
 
 static cut_origin *origin_share(cut_origin *origin)
 {
@@ -38,7 +38,7 @@ static pith_status origin_new(const pith_tets_view *view, cut_origin **origin, p
     return PITH_OK;
 }
 
-/* ---- parts --------------------------------------------------------------------------------------------------- */
+/* ---- parts ------------------------------------------------------------------------------------------------------ */
 
 void pith_part_destroy(pith_part *part)
 {
@@ -140,7 +140,7 @@ pith_status pith_part_plane_values(const pith_part *part, const pith_plane *plan
     return PITH_OK;
 }
 
-/* ---- shells -------------------------------------------------------------------------------------------------- */
+/* ---- shells ----------------------------------------------------------------------------------------------------- */
 
 void pith_shell_destroy(pith_shell *shell)
 {
@@ -272,7 +272,7 @@ pith_status pith_shell_mesh(const pith_shell *shell, pith_mesh **mesh, pith_erro
 void pith_shell_measure(const pith_shell *shell, double *skin, double *section, double *volume)
 {
     double area[2] = { 0.0, 0.0 }, six = 0.0;
-    /* Volumes are taken from a vertex of the shell: far from the origin they would be small differences of large ones. */
+    /* Volumes are taken from a vertex of the shell: far from the origin they would be small differences of large. */
     const pith_vec3 apex = shell && shell->vertex_count ? shell->positions[0] : pith_v3(0, 0, 0);
     for (uint32_t i = 0; shell && i < shell->triangle_count; ++i) {
         const uint32_t *v = shell->triangles[i];

@@ -4,10 +4,10 @@
    International Meshing Roundtable, 1999.
 
    Each side of a crossed tet is a convex cell with at most six vertices: a tet, a pyramid or a prism. The cell is coned
-   from its vertex of lowest number over the faces that do not contain it, each face fanned from its own vertex of lowest
-   number. How a face is divided depends on nothing but its vertices' numbers, so the tets on its two sides agree, and no
-   vertex is added. Orientation and adjacency come from the cell, never from computed volumes: pieces as thin as rounding
-   stay in place, and everything stays closed through any number of splits. */
+   from its vertex of lowest number over the faces that do not contain it, each face fanned from its own vertex of
+   lowest number. How a face is divided depends on nothing but its vertices' numbers, so the tets on its two sides
+   agree, and no vertex is added. Orientation and adjacency come from the cell, never from computed volumes: pieces as
+   thin as rounding stay in place, and everything stays closed through any number of splits. */
 #include "cut_internal.h"
 
 /* The faces of a cell, outward, and what each is: a face code (0 inner, 1 + pith_face_kind). */

@@ -4,9 +4,9 @@
 
 #include "pith/render.h"
 
-/* ---- sampling -------------------------------------------------------------------------------------------------- */
+/* ---- sampling --------------------------------------------------------------------------------------------------- */
 
-/* Which pair of random numbers: each use has its own, so that they are stratified each and independent of each other. */
+/* Which pair of random numbers: each use has its own, stratified by itself and independent of the others. */
 typedef enum render_use { RENDER_PIXEL, RENDER_LIGHT, RENDER_SKY, RENDER_USES } render_use;
 
 /* Two numbers in [0, 1) for sample `index` of `count`, the same whoever asks in whatever order. */
@@ -15,7 +15,7 @@ void render_pair(uint64_t pixel_seed, uint32_t index, uint32_t count, render_use
 void render_disc(const double pair[2], double *x, double *y);
 pith_vec3 render_cosine(const double pair[2], pith_vec3 normal);
 
-/* ---- the scene --------------------------------------------------------------------------------------------------- */
+/* ---- the scene -------------------------------------------------------------------------------------------------- */
 
 typedef struct render_scene {
     const pith_render_item *items;      /* [item_count] */
@@ -47,7 +47,7 @@ pith_status render_scene_make(render_scene *scene, const pith_render_item *items
                               const pith_camera *camera, const pith_render_options *options, pith_error *err);
 void render_scene_free(render_scene *scene);
 
-/* ---- tiles ----------------------------------------------------------------------------------------------------------- */
+/* ---- tiles ------------------------------------------------------------------------------------------------------ */
 
 enum { RENDER_TILE = 32, RENDER_BATCH = 8192, RENDER_LAYERS = 8 };
 

@@ -38,8 +38,8 @@ static uint32_t sobol_second(uint32_t index)
 void render_pair(uint64_t pixel_seed, uint32_t index, uint32_t count, render_use use, double out[2])
 {
     const uint64_t seeds = pith_mix64(pixel_seed + (uint64_t)use), more = pith_mix64(seeds);
-    /* The order within the first 2^m samples is shuffled: low bits of the result depend on low bits of the index only. */
-    uint32_t mask = count > 1 ? UINT32_MAX >> __builtin_clz(count - 1) : 0;
+    /* The order within the first 2^m samples is shuffled: low bits of the result depend on low bits of the index. */
+    const uint32_t mask = count > 1 ? UINT32_MAX >> __builtin_clz(count - 1) : 0;
     const uint32_t shuffled = reverse_bits(scramble_reversed(reverse_bits(index), (uint32_t)more)) & mask;
     const uint32_t x = reverse_bits(scramble_reversed(shuffled, (uint32_t)seeds));
     const uint32_t y = reverse_bits(scramble_reversed(sobol_second(shuffled), (uint32_t)(seeds >> 32)));

@@ -47,7 +47,7 @@ pith_render_options pith_render_options_default(void)
     return options;
 }
 
-/* ---- camera ------------------------------------------------------------------------------------------------------ */
+/* ---- camera ----------------------------------------------------------------------------------------------------- */
 
 /* Unit axes of a camera that looks along `forward`; up is bent where it must be. */
 static void camera_axes(pith_vec3 forward, pith_vec3 up, pith_vec3 *right, pith_vec3 *above)
@@ -114,7 +114,7 @@ static pith_status place_camera(render_scene *scene, const pith_camera *camera, 
     return PITH_OK;
 }
 
-/* ---- all shells as one mesh ------------------------------------------------------------------------------------------ */
+/* ---- all shells as one mesh ------------------------------------------------------------------------------------- */
 
 static const double crease_degrees = 40.0; /* sharper edges of skin or section are shown as edges */
 

@@ -2,8 +2,8 @@
    solid once for all its hits, sends all shadow and sky rays, and shades.
 
    Light: a round key light (one sample per hit), and an even sky seen through one cosine-distributed ray per hit; what
-   that ray meets instead of sky returns part of the surface's own colour, as flesh beside flesh does. Matt reflection is
-   wrapped a little round the terminator, the look of light that enters a fruit and comes out beside. Highlights:
+   that ray meets instead of sky returns part of the surface's own colour, as flesh beside flesh does. Matt reflection
+   is wrapped a little round the terminator, the look of light that enters a fruit and comes out beside. Highlights:
    Blinn, "Models of light reflection for computer synthesized pictures", SIGGRAPH 1977, normalised, with the Fresnel
    term of Schlick, "An inexpensive BRDF model for physically-based rendering", Eurographics 1994. */
 #include "render_internal.h"
@@ -110,7 +110,7 @@ render_scratch *render_scratch_new(const render_scene *scene)
     return NULL;
 }
 
-/* ---- rays ---------------------------------------------------------------------------------------------------------- */
+/* ---- rays ------------------------------------------------------------------------------------------------------- */
 
 /* Whether a ray can meet the sphere round all shells; most of floor and background is done with here. */
 static bool near_shells(const render_scene *scene, const pith_ray *ray)
@@ -151,7 +151,7 @@ static void trace(const render_scene *scene, render_scratch *s, size_t active)
     for (size_t i = 0; i < count; ++i) s->hits[s->traced[i]] = s->packed_hits[i];
 }
 
-/* ---- places -------------------------------------------------------------------------------------------------------- */
+/* ---- places ----------------------------------------------------------------------------------------------------- */
 
 static void place_on_shell(const render_scene *scene, const pith_ray *ray, const pith_hit *hit, place *at)
 {
@@ -237,7 +237,7 @@ static pith_status find_places(const render_scene *scene, render_scratch *s, siz
     return PITH_OK;
 }
 
-/* ---- light ------------------------------------------------------------------------------------------------------------ */
+/* ---- light ------------------------------------------------------------------------------------------------------ */
 
 static uint32_t add_blocker(const render_scene *scene, render_scratch *s, size_t *count, const place *at,
                             pith_vec3 direction)
@@ -358,7 +358,7 @@ static size_t compose(const render_scene *scene, render_scratch *s, size_t activ
     return going_on;
 }
 
-/* ---- the tile ------------------------------------------------------------------------------------------------------------ */
+/* ---- the tile --------------------------------------------------------------------------------------------------- */
 
 /* All layers of the paths started in the batch. */
 static pith_status run_batch(const render_scene *scene, render_scratch *s, size_t count, pith_error *err)

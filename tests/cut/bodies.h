@@ -1,4 +1,4 @@
-/* Bodies made by hand for the tests of cut, render and bake, and a check of closedness that shares no code with them. */
+/* Bodies made by hand for the tests of cut, render and bake, and a check of closedness of its own. */
 #ifndef PITH_TEST_BODIES_H
 #define PITH_TEST_BODIES_H
 

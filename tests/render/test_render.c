@@ -139,7 +139,7 @@ static void test_a_ramp_appears_where_perspective_puts_it(void **state)
     o.samples = 64;
     pith_image *image = draw(shell, solid, &o);
     for (uint32_t x = 18; x < 46; ++x) {
-        const double at = 0.5 + (x + 0.5 - 32) / 32; /* the ramp is linear and the filter even: its mean is its middle */
+        const double at = 0.5 + (x + 0.5 - 32) / 32; /* the ramp is linear and the filter even: mean is middle */
         CHECK_NEAR(pixel(image, x, 32)[0], 0.1 + 0.6 * at, 2e-3);
         CHECK_NEAR(pixel(image, x, 32)[1], 0.7 - 0.6 * at, 2e-3);
     }
@@ -244,7 +244,8 @@ static void test_the_floor_is_dark_only_by_the_body(void **state)
     const double background = pith_srgb_decode(0.94f), key = o.light_strength * sqrt(0.5);
     CHECK_AT_MOST(at_point(image, &camera, pith_v3(1.5, 0.5, 0)), background * o.ambient / (o.ambient + key) + 1e-6);
     CHECK_AT_LEAST(at_point(image, &camera, pith_v3(1.5, 0.5, 0)), 0.5 * background * o.ambient / (o.ambient + key));
-    CHECK_AT_LEAST(at_point(image, &camera, pith_v3(-0.6, 0.5, 0)), background * (key + 0.5 * o.ambient) / (o.ambient + key));
+    CHECK_AT_LEAST(at_point(image, &camera, pith_v3(-0.6, 0.5, 0)),
+                   background * (key + 0.5 * o.ambient) / (o.ambient + key));
     CHECK_NEAR(pixel(image, 40, 0)[0], background, 0.02);
     for (size_t i = 0; i < (size_t)80 * 60; ++i) CHECK_AT_MOST(image->pixels[4 * i], background + 1e-6);
     pith_image_destroy(image);
@@ -301,7 +302,7 @@ static void test_a_fitted_camera_sees_the_box_and_not_much_more(void **state)
         pith_box_add(&box, a);
         pith_box_add(&box, b);
         const double fov = 10 + 70 * pith_rng_unit(&rng), aspect = 0.5 + 2 * pith_rng_unit(&rng);
-        const pith_vec3 direction = round ? pith_rng_direction(&rng) : pith_v3(0, 0, 1); /* along up: a choice is made */
+        const pith_vec3 direction = round ? pith_rng_direction(&rng) : pith_v3(0, 0, 1); /* first along up */
         const pith_camera c = pith_camera_fit(&box, direction, pith_v3(0, 0, 1), fov, aspect);
         const pith_vec3 forward = pith_unit(pith_sub(c.target, c.eye));
         const pith_vec3 right = round ? pith_unit(pith_cross(forward, c.up)) : pith_perpendicular(forward);
