@@ -17,8 +17,8 @@ typedef struct pith_noise_layer {
     double amount;                  /* 0..1 how far towards colour where the noise is strongest */
     double coverage;                /* 0..1 share of the volume that leans towards colour; ½ as much as not */
     double sharpness;               /* 0 soft … 1 nearly two-valued */
-    double depth_low, depth_high;   /* range of s in which the layer acts; fades inwards over `fade` at both ends, but */
-    double fade;                    /* not at an end that is 0 or 1 */
+    double depth_low, depth_high;   /* range of s in which the layer acts */
+    double fade;                    /* it fades in and out over this depth, but not at an end that is 0 or 1 */
     double warp;                    /* moves the depth at which colours are looked up by up to this much instead of
                                        colouring, when > 0: uneven borders between layers */
     double displacement;            /* added to the displacement channel where the noise is strongest */
@@ -61,11 +61,11 @@ typedef struct pith_layered_recipe {
 /** Tables for the three plain structs above, so that documents, help and checks say the same. */
 extern const pith_params pith_noise_layer_params, pith_particle_layer_params;
 
-/** Makes the exemplar: 4 channels (linear RGB and alpha 1), or 5 when a layer has displacement. Laid down in this order:
- *  warps of the depth, ramp, strip, colouring noises, particles. Deterministic from the seed, same bytes for any thread
- *  count, tiles exactly along r and t. Values are those at cell centres, s = (j + ½) / size_s: a skin one voxel thick is
- *  row j = 0. PITH_BAD_ARGUMENT names the entry at fault, e.g. "noises[2]: amount is 3, ...".
- *  Cost: O(voxels * octaves of all noises), and for each particle its own voxels. */
+/** Makes the exemplar: 4 channels (linear RGB and alpha 1), or 5 when a layer has displacement. Laid down in this
+ *  order: warps of the depth, ramp, strip, colouring noises, particles. Deterministic from the seed, same bytes for any
+ *  thread count, tiles exactly along r and t. Values are those at cell centres, s = (j + ½) / size_s: a skin one voxel
+ *  thick is row j = 0. PITH_BAD_ARGUMENT names the entry at fault, e.g. "noises[2]: amount is 3, ...". Cost: O(voxels *
+ *  octaves of all noises), and for each particle its own voxels. */
 pith_status pith_exemplar_layered(const pith_layered_recipe *recipe, pith_grid **exemplar, pith_error *err);
 
 /** Largest seam of a grid along r and t: greatest step of any channel between neighbours across the border, over the

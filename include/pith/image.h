@@ -13,7 +13,9 @@ typedef struct pith_image {
 pith_status pith_image_create(uint32_t width, uint32_t height, uint32_t channels, pith_image **image, pith_error *err);
 void pith_image_destroy(pith_image *image);
 /** PNG (8 and 16 bit, any colour type) or JPEG, told apart by content. Colour channels are decoded from sRGB, alpha is
- *  linear. PITH_BAD_FILE with the decoder's reason. Sides above 16384 are refused. */
+ *  linear; gamma and profiles in the file are not looked at. PITH_BAD_FILE with the decoder's reason; a JPEG that its
+ *  decoder only warns about counts as cut off. Sides above 16384, and claims that the file's bytes cannot hold, are
+ *  refused before memory is taken for them. */
 pith_status pith_image_read(const char *path, pith_image **image, pith_error *err);
 pith_status pith_image_decode(const char *name, const void *bytes, size_t size, pith_image **image, pith_error *err);
 /** .png (8 bit, deterministic bytes) or .jpg (quality 1..100); values are clamped, colour encoded to sRGB. */
@@ -34,12 +36,14 @@ void pith_grid_destroy(pith_grid *grid);
 
 typedef enum pith_grid_wrap { PITH_WRAP_CLAMP, PITH_WRAP_REPEAT } pith_grid_wrap;
 /** Trilinear value at a point in grid coordinates 0..size (cell centres at ½); out [channels]. wrap per axis.
- *  A grid of one constant value gives exactly that value. */
+ *  A grid of one constant value gives exactly that value. Any coordinate is safe, NaN too (it reads cell 0). */
 void pith_grid_sample(const pith_grid *grid, const double at[3], const pith_grid_wrap wrap[3], float *out);
 
 /** NRRD, raw or gzip, attached or detached (.nhdr): 8/16/32-bit integers (scaled 0..1 for unsigned 8 and 16 bit when
  *  `normalise`), float, double; either byte order; 3D, or 4D with the channel axis first. Reads "spacings", "space
- *  directions" (diagonal), "space origin"; the key pith_encoding:=sRGB makes colour channels sRGB. */
+ *  directions" (diagonal, positive), "space origin"; the key pith_encoding:=sRGB makes colour channels (the first
+ *  three, or the first of one or two) sRGB and implies `normalise`. At most 64 channels and 8 GiB of values. Parsing
+ *  from memory does not follow a detached header. PITH_BAD_FILE names the field at fault. */
 pith_status pith_grid_read_nrrd(const char *path, bool normalise, pith_grid **grid, pith_error *err);
 pith_status pith_grid_parse_nrrd(const char *name, const void *bytes, size_t size, bool normalise, pith_grid **grid,
                                  pith_error *err);

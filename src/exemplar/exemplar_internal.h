@@ -54,7 +54,7 @@ typedef struct particle {
 pith_status particles_throw(const pith_particle_layer *layer, const uint32_t voxels[3], uint64_t seed, uint64_t stream,
                             particle **particles, size_t *count, pith_error *err);
 /* Paints halos, then bodies, of one t-slice (slice k of the exemplar's values). Only that slice is written. */
-void particles_paint_slice(const pith_particle_layer *layer, const particle *particles, size_t count, pith_grid *exemplar,
-                           uint32_t k);
+void particles_paint_slice(const pith_particle_layer *layer, const particle *particles, size_t count,
+                           pith_grid *exemplar, uint32_t k);
 
 #endif

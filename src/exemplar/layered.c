@@ -3,7 +3,6 @@
    through the volume, some noise, a few particles. */
 #include "exemplar_internal.h"
 
-#include <string.h>
 
 #define STREAM_NOISE UINT64_C(0x100000000)    /* seeds of noises and streams of particles must not meet */
 #define STREAM_PARTICLES UINT64_C(0x200000000)
@@ -24,10 +23,11 @@ static pith_status check_stops(const pith_layered_recipe *recipe, pith_error *er
     for (size_t i = 0; i < recipe->stop_count; ++i) {
         const pith_ramp_stop *stop = &recipe->stops[i];
         if (!(stop->depth >= 0.0 && stop->depth <= 1.0))
-            return pith_fail(err, PITH_BAD_ARGUMENT, "stops[%zu]: depth is %g, expected 0 (outside) to 1", i, stop->depth);
+            return pith_fail(err, PITH_BAD_ARGUMENT, "stops[%zu]: depth is %g, expected 0 (outside) to 1", i,
+                             stop->depth);
         if (i && !(stop->depth >= stop[-1].depth))
-            return pith_fail(err, PITH_BAD_ARGUMENT, "stops[%zu]: depth %g lies before %g of the stop above; sort them", i,
-                             stop->depth, stop[-1].depth);
+            return pith_fail(err, PITH_BAD_ARGUMENT, "stops[%zu]: depth %g lies before %g of the stop above; sort them",
+                             i, stop->depth, stop[-1].depth);
         if (!is_colour(stop->colour))
             return pith_fail(err, PITH_BAD_ARGUMENT, "stops[%zu]: colour is not within 0 to 1", i);
     }
@@ -40,8 +40,8 @@ static pith_status check_layer(const char *kind, size_t index, const pith_params
     const pith_status status = pith_params_check(table, layer, err);
     if (status != PITH_OK) return pith_fail_in(err, status, "%s[%zu]", kind, index);
     if (!(depth_low <= depth_high))
-        return pith_fail(err, PITH_BAD_ARGUMENT, "%s[%zu]: depth_low %g lies beyond depth_high %g", kind, index, depth_low,
-                         depth_high);
+        return pith_fail(err, PITH_BAD_ARGUMENT, "%s[%zu]: depth_low %g lies beyond depth_high %g", kind, index,
+                         depth_low, depth_high);
     if (!colours) return pith_fail(err, PITH_BAD_ARGUMENT, "%s[%zu]: a colour is not within 0 to 1", kind, index);
     return PITH_OK;
 }
@@ -51,20 +51,22 @@ static pith_status check_recipe(const pith_layered_recipe *recipe, pith_error *e
     const uint32_t sizes[3] = { recipe->size_r, recipe->size_s, recipe->size_t_ };
     for (int axis = 0; axis < 3; ++axis)
         if (sizes[axis] < 8 || sizes[axis] > EXEMPLAR_SIDE_MAX)
-            return pith_fail(err, PITH_BAD_ARGUMENT, "size: %u voxels along %c, expected 8 to %d", (unsigned)sizes[axis],
-                             "rst"[axis], EXEMPLAR_SIDE_MAX);
+            return pith_fail(err, PITH_BAD_ARGUMENT, "size: %u voxels along %c, expected 8 to %d",
+                             (unsigned)sizes[axis], "rst"[axis], EXEMPLAR_SIDE_MAX);
     PITH_TRY(check_stops(recipe, err));
     if (!(recipe->strip_blend >= 0.0 && recipe->strip_blend <= 1.0))
-        return pith_fail(err, PITH_BAD_ARGUMENT, "strip_blend is %g, expected 0 (only the ramp) to 1", recipe->strip_blend);
+        return pith_fail(err, PITH_BAD_ARGUMENT, "strip_blend is %g, expected 0 (only the ramp) to 1",
+                         recipe->strip_blend);
     for (size_t i = 0; i < recipe->noise_count; ++i) {
         const pith_noise_layer *l = &recipe->noises[i];
-        PITH_TRY(check_layer("noises", i, &pith_noise_layer_params, l, l->depth_low, l->depth_high, is_colour(l->colour),
-                             err));
+        PITH_TRY(check_layer("noises", i, &pith_noise_layer_params, l, l->depth_low, l->depth_high,
+                             is_colour(l->colour), err));
     }
     for (size_t i = 0; i < recipe->particle_count; ++i) {
         const pith_particle_layer *l = &recipe->particles[i];
         const bool colours = is_colour(l->colour) && is_colour(l->core_colour) && is_colour(l->halo_colour);
-        PITH_TRY(check_layer("particles", i, &pith_particle_layer_params, l, l->depth_low, l->depth_high, colours, err));
+        PITH_TRY(
+            check_layer("particles", i, &pith_particle_layer_params, l, l->depth_low, l->depth_high, colours, err));
     }
     return PITH_OK;
 }
@@ -85,8 +87,9 @@ static void ramp_at(const pith_ramp_stop *stops, size_t count, double s, float c
 /* A photograph's pixel as RGBA; outside the picture its border. */
 static void strip_pixel(const pith_image *strip, int64_t x, int64_t y, float pixel[4])
 {
-    const int64_t w = strip->width, h = strip->height;
-    const float *p = strip->pixels + ((y < 0 ? 0 : y < h ? y : h - 1) * w + (x < 0 ? 0 : x < w ? x : w - 1)) * strip->channels;
+    const int64_t right = (int64_t)strip->width - 1, bottom = (int64_t)strip->height - 1;
+    const int64_t column = x < 0 ? 0 : (x < right ? x : right), row = y < 0 ? 0 : (y < bottom ? y : bottom);
+    const float *p = strip->pixels + (row * (right + 1) + column) * strip->channels;
     const bool grey = strip->channels < 3;
     for (int c = 0; c < 3; ++c) pixel[c] = p[grey ? 0 : c];
     pixel[3] = strip->channels == 2 || strip->channels == 4 ? p[strip->channels - 1] : 1.0f;
@@ -106,8 +109,8 @@ static void strip_at(const pith_image *strip, double x, double y, float out[4])
     }
 }
 
-/* The same with the ends cross-faded: the last fifth of the picture fades into what lies before the first column, so that
-   the period is four fifths of the width. x in periods, 0..1. */
+/* The same with the ends cross-faded: the period is four fifths of the width, and the picture's last fifth fades out
+   over its first. x in periods, 0..1. */
 static void strip_periodic(const pith_image *strip, double x, double y, float out[4])
 {
     const double overlap = 0.2 * strip->width, period = strip->width - overlap;
@@ -264,7 +267,8 @@ static pith_status prepare(workshop *w, pith_error *err)
     w->counts = pith_alloc(recipe->particle_count, sizeof *w->counts);
     if (!w->noises || !w->particles || !w->counts) return PITH_OUT_OF_MEMORY(err, "the recipe's layers");
     for (size_t n = 0; n < recipe->noise_count; ++n)
-        PITH_TRY(noise_make(&recipe->noises[n], size, pith_mix64(recipe->seed ^ (STREAM_NOISE + n)), &w->noises[n], err));
+        PITH_TRY(
+            noise_make(&recipe->noises[n], size, pith_mix64(recipe->seed ^ (STREAM_NOISE + n)), &w->noises[n], err));
     for (size_t n = 0; n < recipe->particle_count; ++n)
         PITH_TRY(particles_throw(&recipe->particles[n], size, recipe->seed, STREAM_PARTICLES + n, &w->particles[n],
                                  &w->counts[n], err));

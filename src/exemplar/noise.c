@@ -1,5 +1,6 @@
-/* Gradient noise with a period: Perlin, "Improving Noise", ACM TOG 21(3), 2002 - its twelve gradients and its fade curve -
-   with gradients hashed from lattice coordinates taken modulo the period, so that it tiles exactly along r and t. */
+/* Gradient noise with a period: Perlin, "Improving Noise", ACM TOG 21(3), 2002 - its twelve gradients and its fade
+   curve - with gradients hashed from lattice coordinates taken modulo the period, so that it tiles exactly along r and
+   t. */
 #include "exemplar_internal.h"
 
 #include <string.h>
@@ -43,7 +44,8 @@ static pith_status place_columns(noise_octave *o, uint32_t voxels_r, pith_error 
     return PITH_OK;
 }
 
-/* Cells of one period along a periodic axis: 0 where the feature is longer than two periods, at most one a two voxels. */
+/* Cells of one period along a periodic axis: 0 where the feature is longer than two periods, at most one a two voxels.
+   */
 static uint32_t periodic_cells(double feature, double scale, uint32_t voxels)
 {
     const double cells = round(1.0 / feature) * scale, finest = voxels / 2;
@@ -129,8 +131,8 @@ float noise_at(const noise *n, double r, double s, double t)
     return sum;
 }
 
-/* s and t are fixed along a row, so each lattice point's four gradients above and below melt into one line in r: a slope
-   and a height. What is left for a voxel is to fade between two lines. */
+/* s and t are fixed along a row, so each lattice point's four gradients above and below melt into one line in r: a
+   slope and a height. What is left for a voxel is to fade between two lines. */
 static void add_octave_row(const noise_octave *o, uint32_t voxels_r, double s, double t, float *values)
 {
     uint32_t it[2];

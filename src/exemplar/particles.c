@@ -1,5 +1,5 @@
-/* Distinct elements of an exemplar - seeds, vesicles, fibres - as ellipsoids and drops. Centres are Poisson-disc darts on
-   a torus: dart throwing after Cook, "Stochastic Sampling in Computer Graphics", ACM TOG 5(1), 1986. */
+/* Distinct elements of an exemplar - seeds, vesicles, fibres - as ellipsoids and drops. Centres are Poisson-disc darts
+   on a torus: dart throwing after Cook, "Stochastic Sampling in Computer Graphics", ACM TOG 5(1), 1986. */
 #include "exemplar_internal.h"
 
 #define DART_TRIES 40       /* darts for one particle before the layer counts as full */
@@ -168,7 +168,8 @@ static double particle_distance(const pith_particle_layer *layer, const particle
         for (int i = 0; i < 3; ++i) g += p->axes[i][k] * slope[i];
         sum += g * g * voxel[k] * voxel[k];
     }
-    *growth = d > 0.0 ? sqrt(sum) / d : fmax(voxel[0] / p->radius[0], fmax(voxel[1] / p->radius[1], voxel[2] / p->radius[2]));
+    *growth =
+        d > 0.0 ? sqrt(sum) / d : fmax(voxel[0] / p->radius[0], fmax(voxel[1] / p->radius[1], voxel[2] / p->radius[2]));
     return d;
 }
 
@@ -200,8 +201,8 @@ static void paint_halo(const pith_particle_layer *layer, double d, float *value)
 }
 
 /* One image of a particle: voxels of the slice inside its box. r wraps voxel by voxel, s is cut off at 0 and 1. */
-static void paint_image(const pith_particle_layer *layer, const particle *p, bool halos, pith_grid *exemplar, uint32_t k,
-                        double offset_t)
+static void paint_image(const pith_particle_layer *layer, const particle *p, bool halos, pith_grid *exemplar,
+                        uint32_t k, double offset_t)
 {
     const int64_t n_r = exemplar->size[0], n_s = exemplar->size[1];
     const double voxel[3] = { 1.0 / exemplar->size[0], 1.0 / exemplar->size[1], 1.0 / exemplar->size[2] };
@@ -226,8 +227,8 @@ static void paint_image(const pith_particle_layer *layer, const particle *p, boo
         }
 }
 
-void particles_paint_slice(const pith_particle_layer *layer, const particle *particles, size_t count, pith_grid *exemplar,
-                           uint32_t k)
+void particles_paint_slice(const pith_particle_layer *layer, const particle *particles, size_t count,
+                           pith_grid *exemplar, uint32_t k)
 {
     const double t = (k + 0.5) / exemplar->size[2];
     /* All halos lie under all bodies: no particle is paled by its neighbour. */

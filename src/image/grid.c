@@ -13,8 +13,9 @@ pith_status pith_grid_create(const uint32_t size[3], uint32_t channels, pith_gri
     uint64_t values = channels;
     for (int axis = 0; axis < 3; ++axis)
         if (size[axis] < 1 || __builtin_mul_overflow(values, (uint64_t)size[axis], &values) || values > GRID_VALUES_MAX)
-            return pith_fail(err, PITH_BAD_ARGUMENT, "grid of %u x %u x %u cells with %u channels is empty or too large",
-                             (unsigned)size[0], (unsigned)size[1], (unsigned)size[2], (unsigned)channels);
+            return pith_fail(err, PITH_BAD_ARGUMENT,
+                             "grid of %u x %u x %u cells with %u channels is empty or too large", (unsigned)size[0],
+                             (unsigned)size[1], (unsigned)size[2], (unsigned)channels);
     pith_grid *made = pith_alloc(1, sizeof *made);
     float *data = pith_alloc(values, sizeof *data);
     if (!made || !data) {
@@ -35,7 +36,7 @@ void pith_grid_destroy(pith_grid *grid)
     pith_free(grid);
 }
 
-/* The two cells around a coordinate and the weight of the second. A NaN lands in cell 0: no coordinate reads outside. */
+/* The two cells around a coordinate and the weight of the second. A NaN lands in cell 0: nothing reads outside. */
 static inline void bracket(double at, uint32_t size, pith_grid_wrap wrap, uint32_t cell[2], float *weight)
 {
     double x = at - 0.5;

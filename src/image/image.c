@@ -1,7 +1,6 @@
 /* Images in memory, the sRGB border, and the choice of the file format. */
 #include "image_internal.h"
 
-#include <string.h>
 
 /* ---- memory -------------------------------------------------------------------------------------------------- */
 
@@ -92,7 +91,8 @@ pith_status pith_image_decode(const char *name, const void *bytes, size_t size, 
     } else if (jpeg_recognise(bytes, size)) {
         PITH_TRY(jpeg_decode(name, bytes, size, &raw, err));
     } else {
-        return pith_fail(err, PITH_BAD_FILE, "%s: is neither a PNG nor a JPEG file%s", name, size ? "" : "; it is empty");
+        return pith_fail(err, PITH_BAD_FILE, "%s: is neither a PNG nor a JPEG file%s", name,
+                         size ? "" : "; it is empty");
     }
     pith_image *made = NULL;
     pith_status status = pith_image_create(raw.width, raw.height, raw.channels, &made, err);
@@ -138,7 +138,8 @@ pith_status pith_image_write(const pith_image *image, const char *path, int jpeg
     const bool png = pith_path_has_extension(path, "png");
     const bool jpeg = pith_path_has_extension(path, "jpg") || pith_path_has_extension(path, "jpeg");
     if (!png && !jpeg)
-        return pith_fail(err, PITH_BAD_ARGUMENT, "%s: images are written as .png or .jpg; give the file such a name", path);
+        return pith_fail(err, PITH_BAD_ARGUMENT, "%s: images are written as .png or .jpg; give the file such a name",
+                         path);
     if (jpeg && (jpeg_quality < 1 || jpeg_quality > 100))
         return pith_fail(err, PITH_BAD_ARGUMENT, "%s: JPEG quality is %d, expected 1 to 100", path, jpeg_quality);
     if (jpeg && image->channels != 1 && image->channels != 3)
@@ -148,7 +149,8 @@ pith_status pith_image_write(const pith_image *image, const char *path, int jpeg
     size_t size = 0;
     pith_status status;
     PITH_TRY_OR(cleanup, quantise(image, &raw, err));
-    PITH_TRY_OR(cleanup, png ? png_encode(&raw, &bytes, &size, err) : jpeg_encode(&raw, jpeg_quality, &bytes, &size, err));
+    PITH_TRY_OR(cleanup,
+                png ? png_encode(&raw, &bytes, &size, err) : jpeg_encode(&raw, jpeg_quality, &bytes, &size, err));
     status = pith_file_write(path, bytes, size, err);
 cleanup:
     pith_free(raw.samples);

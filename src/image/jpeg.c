@@ -1,9 +1,7 @@
-/* JPEG by TurboJPEG. Every warning of the decoder counts as an error: libjpeg goes on with grey after data that ran out,
-   and remembers only its first warning's words, so a cut-off picture cannot be told from a merely untidy one. */
+/* JPEG by TurboJPEG. Every warning of the decoder counts as an error: libjpeg goes on with grey after data that ran
+   out, and remembers only its first warning's words, so a cut-off picture cannot be told from a merely untidy one. */
 #include "image_internal.h"
 
-#include <limits.h>
-#include <string.h>
 #include <turbojpeg.h>
 
 bool jpeg_recognise(const unsigned char *bytes, size_t size)

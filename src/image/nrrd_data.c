@@ -62,8 +62,8 @@ static void decode_srgb(float *values, size_t cells, uint32_t channels)
 
 /* ---- gzip ---------------------------------------------------------------------------------------------------- */
 
-/* Where unfolded bytes go: values are converted block by block into an array that grows as bytes arrive, so that a header
-   with great claims before a little data costs little. */
+/* Where unfolded bytes go: values are converted block by block into an array that grows as bytes arrive, so that a
+   header with great claims before a little data costs little. */
 typedef struct sink {
     const nrrd_header *header;
     const char *name;
@@ -115,8 +115,9 @@ static pith_status inflate_members(sink *s, z_stream *z, const unsigned char *by
             return pith_fail(err, PITH_BAD_FILE, "%s: gzip data of the NRRD are damaged: %s", s->name,
                              z->msg ? z->msg : "unknown reason");
         if (!missing && got)
-            return pith_fail(err, PITH_BAD_FILE, "%s: gzip data of the NRRD hold more than the %zu values of its header",
-                             s->name, s->total);
+            return pith_fail(err, PITH_BAD_FILE,
+                             "%s: gzip data of the NRRD hold more than the %zu values of its header", s->name,
+                             s->total);
         if (missing) {
             s->filled += got;
             if (got == missing || s->filled == sizeof s->block) PITH_TRY(sink_flush(s, err));
@@ -188,14 +189,19 @@ pith_status nrrd_decode_data(const char *name, const nrrd_header *header, const 
         if (__builtin_mul_overflow(wanted, factors[i], &wanted) || wanted > NRRD_BYTES_MAX)
             return pith_fail(err, PITH_BAD_FILE, "%s: NRRD claims more than 8 GiB of values", name);
     if (header->channels > 64)
-        return pith_fail(err, PITH_BAD_FILE, "%s: NRRD has %u channels, at most 64 can be read", name, header->channels);
+        return pith_fail(err, PITH_BAD_FILE, "%s: NRRD has %u channels, at most 64 can be read", name,
+                         header->channels);
     PITH_TRY(skip(name, header, wanted, &bytes, &size, err));
     if (!header->gzip && size < wanted)
-        return pith_fail(err, PITH_BAD_FILE, "%s: NRRD header wants %llu bytes of values, but only %zu follow; is the file "
-                                             "cut off?", name, (unsigned long long)wanted, size);
+        return pith_fail(err, PITH_BAD_FILE,
+                         "%s: NRRD header wants %llu bytes of values, but only %zu follow; is the file "
+                         "cut off?",
+                         name, (unsigned long long)wanted, size);
     if (header->gzip && (double)wanted > 1032.0 * (double)size) /* deflate's greatest ratio */
-        return pith_fail(err, PITH_BAD_FILE, "%s: NRRD header wants %llu bytes of values, which %zu bytes of gzip cannot "
-                                             "hold", name, (unsigned long long)wanted, size);
+        return pith_fail(err, PITH_BAD_FILE,
+                         "%s: NRRD header wants %llu bytes of values, which %zu bytes of gzip cannot "
+                         "hold",
+                         name, (unsigned long long)wanted, size);
 
     const size_t total = wanted / width;
     pith_grid *made = pith_alloc(1, sizeof *made);
@@ -220,15 +226,15 @@ pith_status nrrd_decode_data(const char *name, const nrrd_header *header, const 
 
 /* ---- public -------------------------------------------------------------------------------------------------- */
 
-/* bytes are cut into lines; a detached header is followed only when `name` is a path that its own path is relative to. */
+/* bytes are cut into lines; a detached header is followed only when `name` is a path that its data lie beside. */
 static pith_status parse(const char *name, char *bytes, size_t size, bool normalise, bool name_is_path,
                          pith_grid **grid, pith_error *err)
 {
     nrrd_header header = { 0 };
     PITH_TRY(nrrd_parse_header(name, bytes, size, normalise, &header, err));
     if (!header.data_file)
-        return nrrd_decode_data(name, &header, (const unsigned char *)bytes + header.data_at, size - header.data_at, grid,
-                                err);
+        return nrrd_decode_data(name, &header, (const unsigned char *)bytes + header.data_at, size - header.data_at,
+                                grid, err);
     if (!name_is_path)
         return pith_fail(err, PITH_BAD_FILE, "%s: NRRD keeps its data in another file; read it by its path", name);
     if (strchr(header.data_file, '%') || !strncmp(header.data_file, "LIST", 4))

@@ -1,5 +1,5 @@
-/* The text part of NRRD: fields, one a line, up to an empty line. Fields that do not bear on a grid of samples (content,
-   labels, units, ...) are passed over, as the format asks of readers that do not need them. */
+/* The text part of NRRD: fields, one a line, up to an empty line. Fields that do not bear on a grid of samples
+   (content, labels, units, ...) are passed over, as the format asks of readers that do not need them. */
 #include "nrrd_internal.h"
 
 #include <errno.h>
@@ -84,7 +84,8 @@ static pith_status parse_sizes(draft *d, const char *value)
         char *end;
         errno = 0;
         const long long size = strtoll(at, &end, 10);
-        if (end == at || errno || size < 1 || size > UINT32_MAX) return bad(d, "sizes", value, "one positive number an axis");
+        if (end == at || errno || size < 1 || size > UINT32_MAX)
+            return bad(d, "sizes", value, "one positive number an axis");
         d->sizes[axis] = (uint64_t)size;
         at = end;
     }
@@ -195,7 +196,7 @@ static pith_status parse_line(draft *d, char *line)
     return parse_field(d, line, value);
 }
 
-/* Cuts the next line off; NULL at the end of the text. Lines end with \n, \r\n, or the text (which has a zero there). */
+/* Cuts the next line off; NULL at the end of the text. Lines end with \n, \r\n, or the text, which has a zero there. */
 static char *next_line(char **at, char *end)
 {
     if (*at == end) return NULL;

@@ -9,8 +9,17 @@
 /* A gzip stream unfolds to at most this; above it a claim is refused whatever the file's size. */
 #define NRRD_BYTES_MAX ((uint64_t)8 << 30)
 
-typedef enum nrrd_type { NRRD_INT8, NRRD_UINT8, NRRD_INT16, NRRD_UINT16, NRRD_INT32, NRRD_UINT32, NRRD_FLOAT, NRRD_DOUBLE,
-                         NRRD_TYPE_COUNT } nrrd_type;
+typedef enum nrrd_type {
+    NRRD_INT8,
+    NRRD_UINT8,
+    NRRD_INT16,
+    NRRD_UINT16,
+    NRRD_INT32,
+    NRRD_UINT32,
+    NRRD_FLOAT,
+    NRRD_DOUBLE,
+    NRRD_TYPE_COUNT
+} nrrd_type;
 
 /* Bytes of one value. */
 static inline size_t nrrd_type_size(nrrd_type type)

@@ -86,7 +86,8 @@ static pith_status append_gzip(const unsigned char *bytes, size_t size, void **o
     return status;
 }
 
-pith_status pith_grid_write_nrrd(const pith_grid *grid, const char *path, pith_nrrd_type type, bool gzip, pith_error *err)
+pith_status pith_grid_write_nrrd(const pith_grid *grid, const char *path, pith_nrrd_type type, bool gzip,
+                                 pith_error *err)
 {
     if (type != PITH_NRRD_FLOAT && type != PITH_NRRD_UCHAR_SRGB)
         return pith_fail(err, PITH_BAD_ARGUMENT, "%s: NRRD type %d is none of float and uchar", path, (int)type);

@@ -1,6 +1,6 @@
 /* PNG by libpng's full interface: the simplified one reduces 16 bits or premultiplies them. libpng reports errors by
-   longjmp; each jump lands in the function that called setjmp here, whose state lives in a job of its caller's frame, so
-   that no local of the jumping function is read after the jump. */
+   longjmp; each jump lands in the function that called setjmp here, whose state lives in a job of its caller's frame,
+   so that no local of the jumping function is read after the jump. */
 #include "image_internal.h"
 
 #include <png.h>
@@ -62,7 +62,8 @@ static void ask_for_plain_samples(png_structp png, png_infop info)
 static void read_rows(png_job *job, pith_error *err)
 {
     png_read_info(job->png, job->info);
-    const png_uint_32 width = png_get_image_width(job->png, job->info), height = png_get_image_height(job->png, job->info);
+    const png_uint_32 width = png_get_image_width(job->png, job->info),
+                      height = png_get_image_height(job->png, job->info);
     /* Deflate packs at most 1032 bytes into one; a byte of a row holds at most eight pixels. */
     job->status = image_check_claim(job->name, width, height, 8.0 * 1032.0, job->size, err);
     if (job->status != PITH_OK) return;

@@ -7,7 +7,9 @@
 
 static pith_layered_recipe plain_recipe(const pith_ramp_stop *stops, size_t count)
 {
-    return (pith_layered_recipe){ .size_r = 16, .size_s = 64, .size_t_ = 12, .seed = 3, .stops = stops, .stop_count = count };
+    return (pith_layered_recipe){
+        .size_r = 16, .size_s = 64, .size_t_ = 12, .seed = 3, .stops = stops, .stop_count = count
+    };
 }
 
 static pith_noise_layer default_noise(void)
@@ -63,7 +65,9 @@ static void test_ramp_is_exact_at_cell_centres(void **state)
 {
     (void)state;
     /* A step at 0.04, a slope from there to 0.5, constant beyond. */
-    const pith_ramp_stop stops[] = { { 0.04, { 0.5f, 0.25f, 0.125f } }, { 0.04, { 0, 0, 0 } }, { 0.5, { 1, 0.5f, 0 } } };
+    const pith_ramp_stop stops[] = { { 0.04, { 0.5f, 0.25f, 0.125f } },
+                                     { 0.04, { 0, 0, 0 } },
+                                     { 0.5, { 1, 0.5f, 0 } } };
     const pith_layered_recipe recipe = plain_recipe(stops, 3);
     pith_error err;
     pith_grid *g = NULL;
@@ -186,7 +190,8 @@ static void test_darts_keep_their_distance_and_depth(void **state)
     const uint32_t voxels[3] = { 64, 64, 64 };
     for (int trial = 0; trial < 6; ++trial) {
         pith_particle_layer l = default_particles();
-        l.radius_r = 0.02 + 0.05 * trial, l.radius_s = 0.03, l.radius_t = 0.07, l.density = 300, l.spacing = 0.9 + 0.3 * trial;
+        l.radius_r = 0.02 + 0.05 * trial, l.radius_s = 0.03, l.radius_t = 0.07, l.density = 300,
+        l.spacing = 0.9 + 0.3 * trial;
         l.depth_low = 0.3, l.depth_high = 0.7;
         particle *p = NULL;
         size_t count = 0;
@@ -215,7 +220,8 @@ static void test_particles_have_their_volume_and_stay_in_their_depths(void **sta
     (void)state;
     const pith_ramp_stop black = { 0, { 0, 0, 0 } };
     pith_particle_layer l = default_particles();
-    l.radius_r = 0.06, l.radius_s = 0.08, l.radius_t = 0.1, l.size_variation = 0, l.colour_variation = 0, l.density = 20;
+    l.radius_r = 0.06, l.radius_s = 0.08, l.radius_t = 0.1, l.size_variation = 0, l.colour_variation = 0,
+    l.density = 20;
     l.spacing = 2.6, l.depth_low = 0.35, l.depth_high = 0.65;
     for (int c = 0; c < 3; ++c) l.colour[c] = l.core_colour[c] = 1.0f;
     pith_layered_recipe recipe = plain_recipe(&black, 1);
@@ -308,7 +314,8 @@ static void test_seam_of_known_grids(void **state)
     CHECK_NEAR(pith_exemplar_seam(g), 0, 0);
     for (uint32_t n = 0; n < 240; ++n) g->values[2 * n + 1] = (float)(n % 10); /* a slope: back at once at the border */
     CHECK_NEAR(pith_exemplar_seam(g), 9, 1e-6);
-    for (uint32_t n = 0; n < 240; ++n) g->values[2 * n + 1] = n / 30 < 4 ? 0.0f : 1.0f; /* equal steps in and at border */
+    for (uint32_t n = 0; n < 240; ++n)
+        g->values[2 * n + 1] = n / 30 < 4 ? 0.0f : 1.0f; /* equal steps in and at border */
     CHECK_NEAR(pith_exemplar_seam(g), 1, 0);
     pith_grid_destroy(g);
 }

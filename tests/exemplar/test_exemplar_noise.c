@@ -17,7 +17,9 @@ static noise make(double size_r, double size_s, double size_t_, uint32_t octaves
 }
 
 /* Sizes that round to a period, to many cells, to none, and finer than voxels. */
-static const double sizes[][3] = { { 0.1, 0.1, 0.1 }, { 0.9, 0.3, 0.04 }, { 3, 0.02, 0.37 }, { 0.004, 50, 3 }, { 5, 0.2, 5 } };
+static const double sizes[][3] = {
+    { 0.1, 0.1, 0.1 }, { 0.9, 0.3, 0.04 }, { 3, 0.02, 0.37 }, { 0.004, 50, 3 }, { 5, 0.2, 5 }
+};
 enum { SIZES = sizeof sizes / sizeof *sizes };
 
 static void test_noise_repeats_exactly(void **state)
@@ -55,8 +57,8 @@ static void test_rows_agree_with_points(void **state)
     }
 }
 
-/* Gradient noise has continuous values and slopes: over a step h the value changes by less than h * cells * a bound, and
-   the slope too, also across lattice planes and the period's border. */
+/* Gradient noise has continuous values and slopes: over a step h the value changes by less than h * cells * a bound,
+   and the slope too, also across lattice planes and the period's border. */
 static void test_noise_is_smooth_everywhere(void **state)
 {
     (void)state;

@@ -28,7 +28,8 @@ static void test_affine_values_are_kept_between_cells(void **state)
             }
     pith_rng rng = pith_rng_make(1, 1);
     for (int n = 0; n < 10000; ++n) {
-        const double at[3] = { 0.5 + 6 * pith_rng_unit(&rng), 0.5 + 4 * pith_rng_unit(&rng), 0.5 + 8 * pith_rng_unit(&rng) };
+        const double at[3] = { 0.5 + 6 * pith_rng_unit(&rng), 0.5 + 4 * pith_rng_unit(&rng),
+                               0.5 + 8 * pith_rng_unit(&rng) };
         float value[2] = { NAN, NAN };
         pith_grid_sample(grid, at, all_clamp, value);
         CHECK_NEAR(value[0], 1 + 2 * at[0] - 3 * at[1] + 0.25 * at[2], 4e-6);
@@ -44,7 +45,8 @@ static void test_a_constant_is_exactly_constant(void **state)
     for (int i = 0; i < 60; ++i) grid->values[i] = 0.1f;
     pith_rng rng = pith_rng_make(2, 1);
     for (int n = 0; n < 10000; ++n) {
-        const double at[3] = { 20 * pith_rng_unit(&rng) - 8, 20 * pith_rng_unit(&rng) - 8, 20 * pith_rng_unit(&rng) - 8 };
+        const double at[3] = { 20 * pith_rng_unit(&rng) - 8, 20 * pith_rng_unit(&rng) - 8,
+                               20 * pith_rng_unit(&rng) - 8 };
         float value = NAN;
         pith_grid_sample(grid, at, n % 2 ? all_clamp : exemplar_wrap, &value);
         CHECK_NEAR(value, 0.1f, 0);
@@ -57,7 +59,8 @@ static double tent(double at, uint32_t cell, uint32_t size, pith_grid_wrap wrap)
 {
     if (wrap == PITH_WRAP_REPEAT) {
         double sum = 0.0;
-        for (int image = -40; image <= 40; ++image) sum += fmax(0.0, 1.0 - fabs(at - (cell + 0.5 + (double)image * size)));
+        for (int image = -40; image <= 40; ++image)
+            sum += fmax(0.0, 1.0 - fabs(at - (cell + 0.5 + (double)image * size)));
         return sum;
     }
     const double held = fmin(fmax(at, 0.5), size - 0.5);

@@ -156,7 +156,8 @@ static void begin_gzip(file *f, const char *sizes)
     f->size += sizeof gzip_members;
     const char *texts[2] = { "abc", "def" };
     for (int m = 0; m < 2; ++m)
-        for (int i = 0; i < 4; ++i) f->bytes[at + 26 * (size_t)m + 18 + (size_t)i] = (char)(crc32_of(texts[m]) >> 8 * i);
+        for (int i = 0; i < 4; ++i)
+            f->bytes[at + 26 * (size_t)m + 18 + (size_t)i] = (char)(crc32_of(texts[m]) >> 8 * i);
 }
 
 static void test_gzip_by_hand(void **state)
@@ -171,9 +172,11 @@ static void test_gzip_by_hand(void **state)
     pith_grid_destroy(grid);
     grid = NULL;
     begin_gzip(&f, "5 1 1");
-    CHECK_FAILS(pith_grid_parse_nrrd("long", f.bytes, f.size, false, &grid, &err), PITH_BAD_FILE, "more than the 5 values");
+    CHECK_FAILS(pith_grid_parse_nrrd("long", f.bytes, f.size, false, &grid, &err), PITH_BAD_FILE,
+                "more than the 5 values");
     begin_gzip(&f, "7 1 1");
-    CHECK_FAILS(pith_grid_parse_nrrd("short", f.bytes, f.size, false, &grid, &err), PITH_BAD_FILE, "after 6 of 7 values");
+    CHECK_FAILS(pith_grid_parse_nrrd("short", f.bytes, f.size, false, &grid, &err), PITH_BAD_FILE,
+                "after 6 of 7 values");
     begin_gzip(&f, "6 1 1");
     f.bytes[f.size - 8] ^= 1; /* the checksum */
     CHECK_FAILS(pith_grid_parse_nrrd("crc", f.bytes, f.size, false, &grid, &err), PITH_BAD_FILE, "damaged");
@@ -200,7 +203,8 @@ static void test_detached_data(void **state)
         for (int v = 0; v < 3; ++v) CHECK_NEAR(grid->values[v], v + 1, 0);
         pith_grid_destroy(grid);
         grid = NULL;
-        CHECK_FAILS(pith_grid_parse_nrrd("memory", text, strlen(text), false, &grid, &err), PITH_BAD_FILE, "another file");
+        CHECK_FAILS(pith_grid_parse_nrrd("memory", text, strlen(text), false, &grid, &err), PITH_BAD_FILE,
+                    "another file");
     }
     unlink(data_path);
     pith_grid *grid = NULL;
@@ -307,12 +311,15 @@ static void test_bad_headers_name_their_field(void **state)
         { "NRRD0004\ntype: uchar\ndimension: 3\nencoding: raw\n\nx", "no field \"sizes\"" },
         { "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 1 1 1\n\nx", "no field \"encoding\"" },
         { "NRRD0004\ntype: short\ndimension: 3\nsizes: 1 1 1\nencoding: raw\n\nxx", "no field \"endian\"" },
-        { "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 1 1 1\nencoding: raw\nspacings: 1 0 1\n\nx", "spacing of axis 1" },
+        { "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 1 1 1\nencoding: raw\nspacings: 1 0 1\n\nx",
+          "spacing of axis 1" },
         { "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 1 1 1\nencoding: raw\nspacings: 1 one 1\n\nx", "\"spacings\"" },
         { "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 1 1 1\nencoding: raw\n"
-          "space directions: (1,0,0) (0,1,0.5) (0,0,1)\n\nx", "\"space directions\"" },
+          "space directions: (1,0,0) (0,1,0.5) (0,0,1)\n\nx",
+          "\"space directions\"" },
         { "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 1 1 1\nencoding: raw\n"
-          "space directions: (1,0,0) (0,-1,0) (0,0,1)\n\nx", "\"space directions\"" },
+          "space directions: (1,0,0) (0,-1,0) (0,0,1)\n\nx",
+          "\"space directions\"" },
         { "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 1 1 1\nencoding: raw\nspace origin: (0,nan,0)\n\nx",
           "\"space origin\"" },
         { "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 1 1 1\nencoding: raw\nbyte skip: -2\n\nx", "\"byte skip\"" },
@@ -322,13 +329,14 @@ static void test_bad_headers_name_their_field(void **state)
         /* claims beyond what the bytes can hold, before a byte is allocated for them */
         { "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 1000 1000 1000\nencoding: raw\n\nx", "only 1 follow" },
         { "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 1000 1000 1000\nencoding: gzip\n\nx", "cannot hold" },
-        { "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 4000000000 4000000000 4000000000\nencoding: gzip\n\nx", "8 GiB" },
+        { "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 4000000000 4000000000 4000000000\nencoding: gzip\n\nx",
+          "8 GiB" },
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         pith_error err;
         pith_grid *grid = NULL;
-        CHECK_FAILS(pith_grid_parse_nrrd("bad.nrrd", cases[i][0], strlen(cases[i][0]), false, &grid, &err), PITH_BAD_FILE,
-                    cases[i][1]);
+        CHECK_FAILS(pith_grid_parse_nrrd("bad.nrrd", cases[i][0], strlen(cases[i][0]), false, &grid, &err),
+                    PITH_BAD_FILE, cases[i][1]);
         assert_non_null(strstr(err.message, "bad.nrrd"));
         assert_null(grid);
     }
