@@ -231,7 +231,7 @@ static uint8_t cover_tet(fill *self, const lapped_workspace *work, size_t index)
             at[0] += w[k] * entry.uv[k][0], at[1] += w[k] * depth[k], at[2] += w[k] * entry.uv[k][1];
             fade += w[k] * (float)entry.fade[k];
         }
-        const float a = fade * lapped_mask_alpha(self->context.masks, work->seed.mask, at[0], at[1], at[2]);
+        const float a = lapped_fade(fade) * lapped_mask_alpha(self->context.masks, work->seed.mask, at[0], at[1], at[2]);
         const int sum = alpha[i] + (int)(255.0f * a);
         alpha[i] = (uint8_t)(sum > 255 ? 255 : sum);
         left += alpha[i] != 255;
@@ -259,7 +259,7 @@ static bool paste(fill *self, const lapped_workspace *work, int seed_sample)
     self->clump_tets += tets;
     self->regrown += work->rounds;
 
-#pragma omp parallel for num_threads(tets > 256 ? pith_threads() : 1) schedule(static)
+#pragma omp parallel for num_threads(tets > 2048 ? pith_threads() : 1) schedule(static)
     for (size_t i = 0; i < tets; ++i) self->verdicts[i] = cover_tet(self, work, i);
 
     /* The mask is opaque at its centre; saying so here makes the proof that the loop ends independent of rounding. */

@@ -56,6 +56,15 @@ static inline float lapped_mask_alpha(const lapped_masks *masks, int kind, float
     return value >= 255.0f ? 1.0f : value * (1.0f / 255.0f);
 }
 
+/* Where a clump had to end inside its mask, its alpha falls from 1 to 0 across the last tet: this is the fade there, from
+   the linear interpolant of the vertices' 0 and 1. It falls over the middle third only: across a whole large tet the
+   blend would show two patches at once, which doubles seeds. */
+static inline float lapped_fade(float interpolated)
+{
+    const float fade = 3.0f * interpolated - 1.0f;
+    return fade < 0.0f ? 0.0f : fade > 1.0f ? 1.0f : fade;
+}
+
 /* ---- what the fill knows of every tet --------------------------------------------------------------------------- */
 
 typedef struct lapped_tet {

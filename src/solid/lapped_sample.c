@@ -70,7 +70,8 @@ static inline float entry_alpha(const lapped_solid *self, const lapped_entry *en
     const float alpha = lapped_mask_alpha(self->masks, (int)self->patches[entry->patch].mask, uv[0], s, uv[1]);
     static const uint8_t whole[4] = { 1, 1, 1, 1 };
     if (alpha == 0.0f || memcmp(entry->fade, whole, 4) == 0) return alpha;
-    return alpha * (w[0] * entry->fade[0] + w[1] * entry->fade[1] + w[2] * entry->fade[2] + w[3] * entry->fade[3]);
+    return alpha * lapped_fade(w[0] * (float)entry->fade[0] + w[1] * (float)entry->fade[1] +
+                               w[2] * (float)entry->fade[2] + w[3] * (float)entry->fade[3]);
 }
 
 static float depth_at(const lapped_solid *self, uint32_t tet, const double weights[4])
@@ -139,7 +140,7 @@ static void locate(const lapped_solid *self, const pith_query *query, uint32_t *
             if (tets[i] >= self->tets.tet_count) tets[i] = PITH_NONE;
         return;
     }
-    pith_locator_find(self->locator, query->points, query->count, true, tets, weights);
+    pith_locator_find(self->locator, query->points, query->count, false, tets, weights);
     for (size_t i = 0; i < query->count; ++i) {
         if (tets[i] == PITH_NONE) continue;
         const uint32_t *corners = self->tets.tets[tets[i]];
