@@ -41,6 +41,7 @@ typedef struct render_scene {
     bool has_floor;
     pith_vec3 floor_point;
     double background[3];               /* linear */
+    double gain;                        /* of the exposure */
 } render_scene;
 
 pith_status render_scene_make(render_scene *scene, const pith_render_item *items, size_t count,

@@ -215,6 +215,7 @@ pith_status render_scene_make(render_scene *scene, const pith_render_item *items
     PITH_TRY_OR(failed, count_items(scene, err));
     PITH_TRY_OR(failed, merge_items(scene, err));
     place_floor(scene);
+    scene->gain = exp2(options->exposure);
     scene->background[0] = pith_srgb_decode((float)options->background_red);
     scene->background[1] = pith_srgb_decode((float)options->background_green);
     scene->background[2] = pith_srgb_decode((float)options->background_blue);

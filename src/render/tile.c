@@ -283,7 +283,7 @@ static double fresnel(double cosine)
 /* Keeps dark and middle tones as they are, bends bright ones to stay below 1, and keeps the ratio of the channels. */
 static void tone(const render_scene *scene, double colour[3])
 {
-    const double gain = exp2(scene->options->exposure);
+    const double gain = scene->gain;
     const double brightest = gain * fmax(colour[0], fmax(colour[1], colour[2])), room = 1.0 - shoulder;
     double factor = gain;
     if (brightest > shoulder) factor *= (1.0 - room * exp(-(brightest - shoulder) / room)) / brightest;
