@@ -1,14 +1,13 @@
 /* Point location in a tetrahedral mesh: a uniform grid of cells, each listing the tetrahedra that overlap it.
 
-   A query costs one cell and its few tetrahedra. Points outside are answered by growing shells of cells until no
-   unseen cell can be nearer. */
+   A query costs one cell and its few tetrahedra. Points outside find their nearest boundary face in a tree of boxes. */
+#include "mesh_internal.h"
 #include "tets_internal.h"
 
 #include <omp.h>
 #include <string.h>
 
-/* Cells per tetrahedron of the box: more makes lists shorter (a point tests about 3.5 tetrahedra at 4) and the grid
-   larger. */
+/* Cells for each tetrahedron: more make lists shorter and the grid larger. */
 static const double cells_per_tet = 4.0;
 /* A point this far outside in barycentric coordinates still counts as inside: more than the rounding of a well-shaped
    tetrahedron, and what makes a shared face belong to the tetrahedron of lowest index. */
@@ -28,6 +27,9 @@ struct pith_locator {
     double cell[3], per_cell[3]; /* length of a cell, and its inverse (0 along an axis without extent) */
     uint32_t *start;        /* [cells + 1] into items */
     uint32_t *items;        /* tetrahedra of each cell, ascending */
+    uint32_t (*faces)[3];   /* boundary, by tetrahedron */
+    uint32_t *face_tet;     /* whose face it is */
+    mesh_tree tree;         /* over the faces, for points outside */
 };
 
 /* ---- building -------------------------------------------------------------------------------------------------- */
@@ -132,6 +134,28 @@ static pith_status fill_grid(pith_locator *l, pith_error *err)
     return l->items ? PITH_OK : PITH_OUT_OF_MEMORY(err, "the locator's lists");
 }
 
+/* The boundary faces and their tree. */
+static pith_status fill_tree(pith_locator *l, pith_error *err)
+{
+    const pith_tets *tets = l->tets;
+    uint32_t count = 0;
+    for (uint32_t t = 0; t < tets->tet_count; ++t)
+        for (int k = 0; k < 4; ++k) count += tets->neighbours[t][k] == PITH_NONE;
+    l->faces = pith_alloc(count, sizeof *l->faces);
+    l->face_tet = pith_alloc(count, sizeof *l->face_tet);
+    if (!l->faces || !l->face_tet) return PITH_OUT_OF_MEMORY(err, "the locator's boundary");
+    count = 0;
+    for (uint32_t t = 0; t < tets->tet_count; ++t)
+        for (int k = 0; k < 4; ++k) {
+            if (tets->neighbours[t][k] != PITH_NONE) continue;
+            for (int c = 0; c < 3; ++c) l->faces[count][c] = tets->tets[t][pith_tet_faces[k][c]];
+            l->face_tet[count++] = t;
+        }
+    const pith_mesh_view boundary = { .positions = tets->positions, .triangles = (const uint32_t (*)[3])l->faces,
+                                      .vertex_count = tets->vertex_count, .triangle_count = count };
+    return mesh_tree_build(&boundary, &l->tree, err);
+}
+
 pith_status pith_locator_create(const pith_tets *tets, pith_locator **locator, pith_error *err)
 {
     if (!tets || !locator) return pith_fail(err, PITH_BAD_ARGUMENT, "pith_locator_create: a pointer is NULL");
@@ -156,7 +180,8 @@ pith_status pith_locator_create(const pith_tets *tets, pith_locator **locator, p
     }
     if (tets->tet_count == 0) l->box = (pith_box){ { 0, 0, 0 }, { 0, 0, 0 } };
     choose_grid(l);
-    const pith_status status = fill_grid(l, err);
+    pith_status status = fill_grid(l, err);
+    if (status == PITH_OK) status = fill_tree(l, err);
     if (status != PITH_OK) {
         pith_locator_destroy(l);
         return status;
@@ -171,6 +196,9 @@ void pith_locator_destroy(pith_locator *locator)
     pith_free(locator->maps);
     pith_free(locator->start);
     pith_free(locator->items);
+    pith_free(locator->faces);
+    pith_free(locator->face_tet);
+    mesh_tree_free(&locator->tree);
     pith_free(locator);
 }
 
@@ -256,80 +284,55 @@ static pith_vec3 nearest_on_triangle(const pith_vec3 corner[3], pith_vec3 p, dou
     return pith_madd(pith_madd(pith_scale(corner[0], weights[0]), corner[1], weights[1]), corner[2], weights[2]);
 }
 
-/* Nearest point of a tetrahedron's boundary faces. A point that no tetrahedron contains sees a boundary face first. */
-static void try_tet(const pith_locator *l, uint32_t t, pith_vec3 p, double *best, uint32_t *tet, double weights[4])
+/* Squared distance from p to a node's box; a little less, so that rounding never prunes the nearest face. */
+static double box_distance(const mesh_tree_node *node, pith_vec3 p)
 {
-    const uint32_t *v = l->tets->tets[t];
-    for (int k = 0; k < 4; ++k) {
-        if (l->tets->neighbours[t][k] != PITH_NONE) continue;
-        const uint8_t *f = pith_tet_faces[k];
-        const pith_vec3 corner[3] = { l->tets->positions[v[f[0]]], l->tets->positions[v[f[1]]],
-                                      l->tets->positions[v[f[2]]] };
-        double w[3];
-        const pith_vec3 q = nearest_on_triangle(corner, p, w);
-        const pith_vec3 d = pith_sub(q, p);
-        const double squared = pith_dot(d, d);
-        if (!(squared < *best || (squared == *best && t < *tet))) continue;
-        *best = squared;
-        *tet = t;
-        memset(weights, 0, 4 * sizeof *weights);
-        for (int c = 0; c < 3; ++c) weights[f[c]] = w[c];
-    }
-}
-
-static void try_cell(const pith_locator *l, int x, int y, int z, pith_vec3 p, double *best, uint32_t *tet,
-                     double weights[4])
-{
-    const size_t cell = ((size_t)z * l->size[1] + y) * l->size[0] + x;
-    for (uint32_t i = l->start[cell]; i < l->start[cell + 1]; ++i) try_tet(l, l->items[i], p, best, tet, weights);
-}
-
-/* Visits the cells at Chebyshev distance `ring` from `at`. */
-static void try_ring(const pith_locator *l, const int at[3], int ring, pith_vec3 p, double *best, uint32_t *tet,
-                     double weights[4])
-{
-    int from[3], to[3];
+    const double at[3] = { p.x, p.y, p.z };
+    double squared = 0.0;
     for (int k = 0; k < 3; ++k) {
-        from[k] = at[k] - ring < 0 ? 0 : at[k] - ring;
-        to[k] = at[k] + ring >= l->size[k] ? l->size[k] - 1 : at[k] + ring;
+        const double off = fmax(fmax(node->low[k] - at[k], at[k] - node->high[k]), 0.0);
+        squared += off * off;
     }
-    for (int z = from[2]; z <= to[2]; ++z)
-        for (int y = from[1]; y <= to[1]; ++y) {
-            const bool whole_row = z == at[2] - ring || z == at[2] + ring || y == at[1] - ring || y == at[1] + ring;
-            if (whole_row) {
-                for (int x = from[0]; x <= to[0]; ++x) try_cell(l, x, y, z, p, best, tet, weights);
-                continue;
-            }
-            if (at[0] - ring >= 0) try_cell(l, at[0] - ring, y, z, p, best, tet, weights);
-            if (at[0] + ring < l->size[0]) try_cell(l, at[0] + ring, y, z, p, best, tet, weights);
-        }
+    return squared * (1.0 - 1e-12);
 }
 
-static uint32_t nearest_tet(const pith_locator *l, const int at[3], pith_vec3 p, double weights[4])
+typedef struct nearest_face { double squared, w[3]; uint32_t face; } nearest_face;
+
+static void try_face(const pith_locator *l, uint32_t face, pith_vec3 p, nearest_face *best)
 {
-    /* q is the point of the grid's box nearest to p. Anything in the box is at least as far from p as
-       sqrt(|pq|^2 + its distance from q squared), because the box is convex. */
-    const double low[3] = { l->box.low.x, l->box.low.y, l->box.low.z };
-    const double high[3] = { l->box.high.x, l->box.high.y, l->box.high.z }, point[3] = { p.x, p.y, p.z };
-    double offset[3], outside = 0.0, best = INFINITY;
-    for (int k = 0; k < 3; ++k) {
-        const double q = fmin(fmax(point[k], low[k]), high[k]);
-        offset[k] = q - low[k];
-        outside += (point[k] - q) * (point[k] - q);
+    const uint32_t *v = l->faces[face];
+    const pith_vec3 corner[3] = { l->tets->positions[v[0]], l->tets->positions[v[1]], l->tets->positions[v[2]] };
+    double w[3];
+    const pith_vec3 d = pith_sub(nearest_on_triangle(corner, p, w), p);
+    const double squared = pith_dot(d, d);
+    /* Faces are numbered in the order of their tetrahedra: of equals the lowest wins. */
+    if (!(squared < best->squared || (squared == best->squared && face < best->face))) return;
+    *best = (nearest_face){ squared, { w[0], w[1], w[2] }, face };
+}
+
+/* A point that no tetrahedron contains sees a boundary face first. */
+static uint32_t nearest_tet(const pith_locator *l, pith_vec3 p, double weights[4])
+{
+    nearest_face best = { .squared = INFINITY, .face = PITH_NONE };
+    uint32_t stack[MESH_TREE_STACK];
+    int height = 0;
+    if (l->tree.node_count > 0) stack[height++] = 0;
+    while (height > 0) {
+        const mesh_tree_node *node = &l->tree.nodes[stack[--height]];
+        if (box_distance(node, p) > best.squared) continue;
+        for (uint32_t i = 0; i < node->count; ++i) try_face(l, l->tree.order[node->first + i], p, &best);
+        if (node->count > 0) continue;
+        const bool left_first = box_distance(&l->tree.nodes[node->first], p) <=
+                                box_distance(&l->tree.nodes[node->first + 1], p);
+        stack[height++] = node->first + left_first;
+        stack[height++] = node->first + !left_first;
     }
-    uint32_t tet = PITH_NONE;
-    for (int ring = 0;; ++ring) {
-        try_ring(l, at, ring, p, &best, &tet, weights);
-        /* How far is it from q out of the block of cells seen so far? */
-        double clear = INFINITY;
-        for (int k = 0; k < 3; ++k) {
-            if (at[k] - ring > 0) clear = fmin(clear, offset[k] - (at[k] - ring) * l->cell[k]);
-            if (at[k] + ring + 1 < l->size[k]) clear = fmin(clear, (at[k] + ring + 1) * l->cell[k] - offset[k]);
-        }
-        if (!(clear < INFINITY)) return tet; /* the whole grid is seen */
-        clear = fmax(clear, 0.0);
-        if (best < (outside + clear * clear) * (1.0 - 1e-12)) return tet;
-    }
+    if (best.face == PITH_NONE) return PITH_NONE;
+    const uint32_t t = l->face_tet[best.face], *v = l->tets->tets[t];
+    for (int c = 0; c < 3; ++c)
+        for (int k = 0; k < 4; ++k)
+            if (v[k] == l->faces[best.face][c]) weights[k] = best.w[c];
+    return t;
 }
 
 /* ---- queries --------------------------------------------------------------------------------------------------- */
@@ -341,13 +344,12 @@ static uint32_t find_one(const pith_locator *l, pith_vec3 p, bool nearest, doubl
     const pith_vec3 d = pith_sub(p, l->box.low);
     const int at[3] = { cell_along(l, 0, d.x), cell_along(l, 1, d.y), cell_along(l, 2, d.z) };
     const uint32_t t = containing(l, at, p, weights);
-    return t != PITH_NONE || !nearest ? t : nearest_tet(l, at, p, weights);
+    return t != PITH_NONE || !nearest ? t : nearest_tet(l, p, weights);
 }
 
 void pith_locator_find(const pith_locator *locator, const pith_vec3 *points, size_t count, bool nearest, uint32_t *tet,
                        double (*weights)[4])
 {
-    if (locator->tets->tet_count == 0) nearest = false;
 #pragma omp parallel for num_threads(pith_threads()) schedule(dynamic, 256) \
     if (count >= PARALLEL_FROM && !omp_in_parallel())
     for (size_t i = 0; i < count; ++i) tet[i] = find_one(locator, points[i], nearest, weights[i]);
