@@ -35,7 +35,7 @@ typedef struct pith_render_item {
 } pith_render_item;
 
 /** A camera that sees the whole box from `direction` (from the box's middle towards the eye), with an eighth of air
- *  round it. An empty or flat box and a direction along `up` are allowed. */
+ *  round it. A flat box, a point, and a direction along `up` are allowed. */
 pith_camera pith_camera_fit(const pith_box *box, pith_vec3 direction, pith_vec3 up, double field_of_view,
                             double aspect);
 
@@ -44,7 +44,7 @@ pith_camera pith_camera_fit(const pith_box *box, pith_vec3 direction, pith_vec3 
  *  texture that has alpha < 1 shows what is behind it, through up to 8 surfaces; it casts a full shadow all the same.
  *  The floor is perpendicular to the camera's `up`, under the lowest vertex. The progress callback is called between
  *  groups of tiles, from the calling thread. PITH_BAD_ARGUMENT: nothing to draw, a camera that looks nowhere, an
- *  option out of range. Cost: about 0.4 microseconds of one core a sample beside what the solid takes. */
+ *  option out of range. Cost: about 0.5 microseconds of one core a sample beside what the solid takes. */
 pith_status pith_render(const pith_render_item *items, size_t count, const pith_camera *camera,
                         const pith_render_options *options, const pith_progress *progress, pith_image **image,
                         pith_error *err);
