@@ -96,20 +96,20 @@ static inline model ball_model(int n)
     return m;
 }
 
-/* Ring round the z axis, depth along z. The texture runs along x everywhere but is half as large where y < 0, so that a
-   patch carried round both ways disagrees with itself on the far side. */
+/* Ring round the z axis, depth along z, small enough for one patch to reach all round it. The texture runs along x
+   everywhere, but where y < 0 it is stretched tenfold: carried round one way r changes by 0.4, the other way hardly. */
 static inline pith_vec3 ring_place(double around, double across, double up)
 {
-    const double angle = 2 * M_PI * around, radius = 0.3 + 0.1 * across;
-    return pith_v3(radius * cos(angle), radius * sin(angle), 0.1 * up);
+    const double angle = 2 * M_PI * around, radius = 0.18 + 0.04 * across;
+    return pith_v3(radius * cos(angle), radius * sin(angle), 0.04 * up);
 }
 static inline model ring_model(void)
 {
     const int cells[3] = { 64, 3, 3 };
     model m = model_of(kuhn_tets(cells, true, ring_place));
     for (uint32_t v = 0; v < m.view.vertex_count; ++v) {
-        m.depth[v] = fmin(1.0, fmax(0.0, m.view.positions[v].z / 0.1));
-        m.gradient[v] = pith_v3(0, 0, m.view.positions[v].y < 0 ? 2.0 : 1.0);
+        m.depth[v] = fmin(1.0, fmax(0.0, m.view.positions[v].z / 0.04));
+        m.gradient[v] = pith_v3(0, 0, m.view.positions[v].y < 0 ? 0.1 : 1.0);
         m.secondary[v] = pith_v3(0, 1, 0);
     }
     return m;
