@@ -53,34 +53,39 @@ static void test_orient3d_is_exact(void **state)
     }
 }
 
-/* Coordinates whose differences do not fit a double: large offsets beside small steps, all on a grid of 2^-20. */
+/* Coordinates whose differences do not fit a double: some points are 2^56 away, the others have small odd coordinates,
+   and all lie on the plane x = y but for single steps, so that the sign hangs on what rounding drops. */
 static void test_orient3d_is_exact_with_tails(void **state)
 {
     (void)state;
     pith_rng rng = pith_rng_make(2, 1);
     int zeros = 0;
-    for (int i = 0; i < 100000; ++i) {
-        /* x = y of every point, up to tiny steps, and z free: nearly coplanar, with coordinates of 53 significant bits. */
+    for (int i = 0; i < 200000; ++i) {
         ipoint p[4];
         pith_vec3 d[4];
+        const uint32_t far = pith_rng_below(&rng, 16); /* a bit a point */
         for (int k = 0; k < 4; ++k) {
-            const int64_t large = random_integer(&rng, 30) * (INT64_C(1) << (k % 2 ? 3 : 9));
-            p[k] = (ipoint){ large + (int64_t)pith_rng_below(&rng, 2), large, random_integer(&rng, 18) };
+            const bool large = far >> k & 1;
+            const int64_t unit = large ? INT64_C(1) << (8 + pith_rng_below(&rng, 16)) : 1;
+            const int64_t along = random_integer(&rng, large ? 32 : 10) * unit;
+            p[k] = (ipoint){ along + unit * ((int64_t)pith_rng_below(&rng, 3) - 1), along, random_integer(&rng, 8) };
             d[k] = pith_scale(to_vec(p[k]), 0x1p-20);
         }
         const int expected = iorient(p[0], p[1], p[2], p[3]);
         zeros += expected == 0;
-        if (mesh_orient3d(d[0], d[1], d[2], d[3]) != expected) fail_msg("round %d: expected %d", i, expected);
+        const int sign = mesh_orient3d(d[0], d[1], d[2], d[3]);
+        if (sign != expected) fail_msg("round %d: sign %d, expected %d", i, sign, expected);
     }
     CHECK_AT_LEAST(zeros, 100);
 
-    /* Shewchuk's case: points a hair off the plane x = z, seen from a point whose differences to them round. */
-    for (int i = -8; i <= 8; ++i) {
-        const pith_vec3 q = pith_v3(12.0 + i * 0x1p-49, 12.0, 12.0); /* 12's neighbours are 2^-49 apart */
-        const int sign = mesh_orient3d(pith_v3(0.5, 1, 0.5), pith_v3(24, 2, 24), pith_v3(0.7, 40, 0.7), q);
-        const int expected = i == 0 ? 0 : (i > 0 ? 1 : -1) * mesh_orient3d(pith_v3(0.5, 1, 0.5), pith_v3(24, 2, 24),
-                                                                            pith_v3(0.7, 40, 0.7), pith_v3(20, 12, 12));
-        CHECK_NEAR(sign, expected, 0);
+    /* All three coordinates of the first point 2^56 away: every difference rounds to nearly the same number, and the
+       whole answer is in the tails. The reference turns the corners (an even permutation) to start from a near one. */
+    for (int i = 0; i < 50000; ++i) {
+        const ipoint step = random_point(&rng, 6), near[3] = { random_point(&rng, 6), random_point(&rng, 6), random_point(&rng, 6) };
+        const ipoint first = { (INT64_C(1) << 56) + 16 * step.x, (INT64_C(1) << 56) + 16 * step.y, (INT64_C(1) << 56) + 16 * step.z };
+        const int expected = iorient(near[0], near[1], first, near[2]);
+        const int sign = mesh_orient3d(to_vec(first), to_vec(near[0]), to_vec(near[1]), to_vec(near[2]));
+        if (sign != expected) fail_msg("round %d, far corner: sign %d, expected %d", i, sign, expected);
     }
 }
 
