@@ -466,8 +466,10 @@ static pith_status build_lapped(pith_model *model, const document_solid *solid, 
         model_note(model, "the model could not be saved: %s", failure.message);
         return PITH_OK;
     }
+    pith_lapped_report report = model->fill_report;
+    report.seconds = 0; /* the same model is the same file */
     byte_writer out = { 0 };
-    write_bytes(&out, &model->fill_report, sizeof model->fill_report);
+    write_bytes(&out, &report, sizeof report);
     write_words(&out, bytes, size / sizeof(float), sizeof(float));
     write_bytes(&out, bytes + size / sizeof(float) * sizeof(float), size % sizeof(float));
     pith_free(bytes);

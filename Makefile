@@ -1,0 +1,58 @@
+# The words people type. The build itself is CMake's; these only call it in the right order.
+#
+#   make demo            install what is missing, build, run the main job, say where the pictures are
+#   make check           install what is missing, build everything, run every test, then the readers under sanitizers
+#   make bench           measure, and keep the results under bench/results
+#   make gallery         make the pictures of docs/gallery again
+#   make format          put every C file into the house's layout (needs clang-format)
+#   make clean           remove what was built
+JOBS := $(shell nproc 2>/dev/null || echo 2)
+BUILD := build
+SANITIZED := build-sanitize
+
+.PHONY: demo check check-sanitize bench gallery format clean
+
+demo: $(BUILD)/pith-configured
+	@tools/install-packages demo
+	@cmake --build $(BUILD) --target pith pith-tetgen -j $(JOBS) -- --no-print-directory -s
+	@$(BUILD)/pith demo
+
+# Configured once; CMake looks after itself from then on.
+$(BUILD)/pith-configured:
+	@tools/install-packages demo
+	@cmake -G "Unix Makefiles" -S . -B $(BUILD) -DPITH_TESTS=OFF -Wno-dev --log-level=WARNING >/dev/null
+	@touch $@
+
+check:
+	@tools/install-packages check
+	@cmake -G "Unix Makefiles" -S . -B $(BUILD) -DPITH_TESTS=ON -Wno-dev --log-level=WARNING >/dev/null
+	@cmake --build $(BUILD) -j $(JOBS) -- --no-print-directory -s
+	@cd $(BUILD) && ctest --output-on-failure --parallel 2
+	@$(MAKE) --no-print-directory check-sanitize
+
+# Readers and everything that meets foreign bytes, under AddressSanitizer and UndefinedBehaviorSanitizer.
+check-sanitize:
+	@tools/install-packages check
+	@cmake -G "Unix Makefiles" -S . -B $(SANITIZED) -DPITH_TESTS=ON -DCMAKE_BUILD_TYPE=RelWithDebInfo -DPITH_SANITIZE=address,undefined \
+	    -Wno-dev --log-level=WARNING >/dev/null
+	@cmake --build $(SANITIZED) -j $(JOBS) -- --no-print-directory -s
+	@cd $(SANITIZED) && ASAN_OPTIONS=detect_leaks=1 OMP_NUM_THREADS=2 ctest --output-on-failure --parallel 2 \
+	    -L 'base|shape|image|document'
+
+bench: $(BUILD)/pith-configured
+	@cmake --build $(BUILD) --target pith pith-tetgen -j $(JOBS) -- --no-print-directory -s
+	@mkdir -p bench/results
+	$(BUILD)/pith bench lapped --csv > bench/results/lapped.csv
+	$(BUILD)/pith bench lapped --curve --csv > bench/results/lapped_curve.csv
+	$(BUILD)/pith bench fields --json > bench/results/fields.json
+	$(BUILD)/pith bench render --json > bench/results/render.json
+
+gallery: $(BUILD)/pith-configured
+	@cmake --build $(BUILD) --target pith pith-tetgen -j $(JOBS) -- --no-print-directory -s
+	@tools/make-gallery $(BUILD)/pith docs/gallery
+
+format:
+	@git ls-files '*.c' '*.h' | xargs clang-format -i
+
+clean:
+	@rm -rf $(BUILD) $(SANITIZED) build-fuzz out
