@@ -29,7 +29,7 @@ typedef struct pith_mesh_report {
     uint32_t vertices, triangles;
     uint32_t welded_vertices;       /* removed because another vertex has the same position */
     uint32_t unused_vertices;       /* removed because no triangle uses them */
-    uint32_t degenerate_triangles;  /* removed: repeated corner or no area */
+    uint32_t degenerate_triangles;  /* removed: repeated corner or no area; no hole is left behind */
     uint32_t duplicate_triangles;   /* removed: the same three corners again */
     uint32_t flipped_triangles;     /* turned so that neighbours agree and the outside is outside */
     uint32_t components;            /* connected through edges */
@@ -44,12 +44,16 @@ typedef struct pith_mesh_report {
 
 /** Reads OBJ, PLY (ascii, both binary byte orders), STL (ascii, binary), OFF (also COFF/NOFF) or GLB by extension;
  *  polygons are cut into triangles. The mesh is as in the file: clean it next. PITH_BAD_FILE names file, line or byte,
- *  and what was expected. Coordinates that are not finite are refused. */
+ *  and what was expected. Positions that are not finite are refused; normals are brought to unit length.
+ *  Colours: whole numbers (PLY, OFF) and OBJ's v x y z r g b are sRGB and come out linear; other floats are linear.
+ *  GLB: the default scene with its nodes' transforms; Draco, meshopt and sparse accessors are refused. */
 pith_status pith_mesh_read(const char *path, pith_mesh **mesh, pith_error *err);
 /** Same from memory; format is the extension without dot; name is used in messages. */
 pith_status pith_mesh_parse(const char *name, const char *format, const void *bytes, size_t size, pith_mesh **mesh,
                             pith_error *err);
-/** Writes PLY (binary little endian, double positions), OBJ or GLB with every attribute the mesh has. */
+/** Writes PLY (binary little endian, double positions), OBJ or GLB (single precision) by extension, with every
+ *  attribute the mesh has; the same mesh gives the same bytes. Colours are 8-bit sRGB in PLY, sRGB without alpha in OBJ, linear
+ *  floats in GLB. */
 pith_status pith_mesh_write(const pith_mesh *mesh, const char *path, pith_error *err);
 
 /** Welds vertices of equal position (relative tolerance 1e-12 of the box's diagonal), drops degenerate and duplicate
@@ -118,7 +122,8 @@ typedef struct pith_tets_view {
 } pith_tets_view;
 
 /** Copies vertices and tets (neighbours in `from` is ignored), turns negative ones, builds adjacency.
- *  PITH_BAD_MESH: index out of range, not finite, zero volume, or a face in more than two tets. O(n). */
+ *  PITH_BAD_MESH: index out of range, not finite, zero volume, a face in more than two tets, or two tets on the same
+ *  side of a face. O(n). */
 pith_status pith_tets_create(const pith_tets_view *from, pith_tets **tets, pith_error *err);
 void pith_tets_destroy(pith_tets *tets);
 pith_tets_view pith_tets_look(const pith_tets *tets);
@@ -177,10 +182,10 @@ typedef struct pith_locator pith_locator; /* borrows the tets: they must outlive
 
 pith_status pith_locator_create(const pith_tets *tets, pith_locator **locator, pith_error *err);
 void pith_locator_destroy(pith_locator *locator);
-/** Tet and barycentric coordinates of each point: the tet that contains it, or for points outside (or lost between tets
- *  by rounding) PITH_NONE when `nearest` is false, else the nearest tet with coordinates clamped to it. Points on a
- *  shared face belong to the tet of lowest index. Thread-safe; expected O(1) per point. */
-void pith_locator_find(const pith_locator *locator, const pith_vec3 *points, size_t count, bool nearest, uint32_t *tet,
+/** Tet and barycentric coordinates of each point: the tet that contains it, or for a point outside the nearest one, with
+ *  the coordinates of its nearest point, when that is nearer than `reach` (model units; 0: only inside, INFINITY: always);
+ *  else PITH_NONE. Points on a shared face belong to the tet of lowest index. Thread-safe; expected O(1) per point. */
+void pith_locator_find(const pith_locator *locator, const pith_vec3 *points, size_t count, double reach, uint32_t *tet,
                        double (*weights)[4]);
 
 /* ---- VTU ----------------------------------------------------------------------------------------------------------- */

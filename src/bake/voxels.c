@@ -50,7 +50,7 @@ static pith_status bake_row(const pith_solid *solid, const pith_locator *locator
     for (uint32_t i = 0; i < width; ++i)
         r->centres[i] = pith_v3(grid->origin.x + grid->spacing.x * (i + 0.5), grid->origin.y + grid->spacing.y * y,
                                 grid->origin.z + grid->spacing.z * z);
-    pith_locator_find(locator, r->centres, width, false, r->found, r->found_weights);
+    pith_locator_find(locator, r->centres, width, 0.0, r->found, r->found_weights);
 
     size_t count = 0;
     for (uint32_t i = 0; i < width; ++i) {

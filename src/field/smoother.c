@@ -124,7 +124,7 @@ static void point_rows(const pith_tets_view *tets, const pith_locator *locator, 
                        const pith_vec3 *points, size_t count, const pith_smoothing_options *options, double mean_edge,
                        uint32_t *tet, double (*bary)[4], rows *constrain)
 {
-    pith_locator_find(locator, points, count, true, tet, bary);
+    pith_locator_find(locator, points, count, INFINITY, tet, bary);
     const double per_edge = 1.0 / (mean_edge * mean_edge);
     for (size_t i = 0; i < count; ++i) {
         const uint32_t *corner = tets->tets[tet[i]];

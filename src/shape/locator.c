@@ -311,9 +311,9 @@ static void try_face(const pith_locator *l, uint32_t face, pith_vec3 p, nearest_
 }
 
 /* A point that no tetrahedron contains sees a boundary face first. */
-static uint32_t nearest_tet(const pith_locator *l, pith_vec3 p, double weights[4])
+static uint32_t nearest_tet(const pith_locator *l, pith_vec3 p, double reach, double weights[4])
 {
-    nearest_face best = { .squared = INFINITY, .face = PITH_NONE };
+    nearest_face best = { .squared = reach * reach, .face = PITH_NONE };
     uint32_t stack[MESH_TREE_STACK];
     int height = 0;
     if (l->tree.node_count > 0) stack[height++] = 0;
@@ -337,20 +337,20 @@ static uint32_t nearest_tet(const pith_locator *l, pith_vec3 p, double weights[4
 
 /* ---- queries --------------------------------------------------------------------------------------------------- */
 
-static uint32_t find_one(const pith_locator *l, pith_vec3 p, bool nearest, double weights[4])
+static uint32_t find_one(const pith_locator *l, pith_vec3 p, double reach, double weights[4])
 {
     memset(weights, 0, 4 * sizeof *weights);
     if (!pith_finite(p)) return PITH_NONE;
     const pith_vec3 d = pith_sub(p, l->box.low);
     const int at[3] = { cell_along(l, 0, d.x), cell_along(l, 1, d.y), cell_along(l, 2, d.z) };
     const uint32_t t = containing(l, at, p, weights);
-    return t != PITH_NONE || !nearest ? t : nearest_tet(l, p, weights);
+    return t == PITH_NONE && reach > 0.0 ? nearest_tet(l, p, reach, weights) : t;
 }
 
-void pith_locator_find(const pith_locator *locator, const pith_vec3 *points, size_t count, bool nearest, uint32_t *tet,
+void pith_locator_find(const pith_locator *locator, const pith_vec3 *points, size_t count, double reach, uint32_t *tet,
                        double (*weights)[4])
 {
 #pragma omp parallel for num_threads(pith_threads()) schedule(dynamic, 256) \
     if (count >= PARALLEL_FROM && !omp_in_parallel())
-    for (size_t i = 0; i < count; ++i) tet[i] = find_one(locator, points[i], nearest, weights[i]);
+    for (size_t i = 0; i < count; ++i) tet[i] = find_one(locator, points[i], reach, weights[i]);
 }

@@ -366,8 +366,7 @@ pith_status lapped_solid_make(const pith_tets *tets, const double *depth, const 
     }
     lapped_masks_make(self->masks, options);
     const pith_box box = pith_box_of(self->tets.positions, self->tets.vertex_count);
-    const double tolerance = 1e-6 * pith_distance(box.low, box.high);
-    self->outside2 = tolerance * tolerance;
+    self->reach = 1e-6 * pith_distance(box.low, box.high);
     status = pith_locator_create(tets, &self->locator, err);
 done:
     if (status == PITH_OK) *solid = self;

@@ -172,7 +172,7 @@ typedef struct lapped_solid {
     const pith_tets *tets_owner;
     pith_tets_view tets;
     pith_locator *locator;
-    double outside2;        /* squared distance beyond which a point is outside */
+    double reach;           /* points farther than this from the mesh are outside: rounding, no more */
     double *depth;          /* [vertex_count] our copy */
     lapped_masks *masks;
     pith_lapped_options options;

@@ -140,15 +140,7 @@ static void locate(const lapped_solid *self, const pith_query *query, uint32_t *
             if (tets[i] >= self->tets.tet_count) tets[i] = PITH_NONE;
         return;
     }
-    pith_locator_find(self->locator, query->points, query->count, false, tets, weights);
-    for (size_t i = 0; i < query->count; ++i) {
-        if (tets[i] == PITH_NONE) continue;
-        const uint32_t *corners = self->tets.tets[tets[i]];
-        pith_vec3 back = { 0, 0, 0 };
-        for (int k = 0; k < 4; ++k) back = pith_madd(back, self->tets.positions[corners[k]], weights[i][k]);
-        const pith_vec3 off = pith_sub(back, query->points[i]);
-        if (!(pith_dot(off, off) <= self->outside2)) tets[i] = PITH_NONE;
-    }
+    pith_locator_find(self->locator, query->points, query->count, self->reach, tets, weights);
 }
 
 static void lapped_sample(const pith_solid *solid, const pith_query *query, float *out)
