@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-/* ---- the mesh being cleaned ------------------------------------------------------------------------------------- */
+/* ---- the mesh being cleaned -------------------------------------------------------------------------------------- */
 
 typedef struct cleaning {
     const pith_mesh_view *from;
@@ -14,10 +14,10 @@ typedef struct cleaning {
     pith_mesh_report *report;
 } cleaning;
 
-/* ---- welding ------------------------------------------------------------------------------------------------------ */
+/* ---- welding ----------------------------------------------------------------------------------------------------- */
 
-/* A hash from grid cells to the vertices kept in them, chained by `next`. Cells are wider than the tolerance, so all but
-   a few points need to look into one cell only. */
+/* A hash from grid cells to the vertices kept in them, chained by `next`. Cells are wider than the tolerance, so all
+   but a few points need to look into one cell only. */
 typedef struct weld_grid {
     uint32_t *heads, *next;
     size_t mask;
@@ -36,7 +36,8 @@ static uint32_t search_slot(const cleaning *clean, const weld_grid *grid, size_t
 {
     for (uint32_t v = grid->heads[slot]; v != PITH_NONE; v = grid->next[v]) {
         const pith_vec3 d = pith_sub(clean->from->positions[v], p);
-        const bool near = fabs(d.x) <= clean->tolerance && fabs(d.y) <= clean->tolerance && fabs(d.z) <= clean->tolerance;
+        const bool near =
+            fabs(d.x) <= clean->tolerance && fabs(d.y) <= clean->tolerance && fabs(d.z) <= clean->tolerance;
         if (near && v < found) found = v;
     }
     return found;
@@ -92,7 +93,7 @@ static pith_status weld(cleaning *clean, pith_error *err)
     return ready ? PITH_OK : PITH_OUT_OF_MEMORY(err, "welding");
 }
 
-/* ---- dropping ----------------------------------------------------------------------------------------------------- */
+/* ---- dropping ---------------------------------------------------------------------------------------------------- */
 
 static bool repeats_corner(const uint32_t *t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
 
@@ -101,8 +102,10 @@ static void map_triangles(cleaning *clean)
     for (uint32_t t = 0; t < clean->from->triangle_count; ++t) {
         uint32_t corner[3];
         for (int k = 0; k < 3; ++k) corner[k] = clean->same_as[clean->from->triangles[t][k]];
-        if (repeats_corner(corner)) ++clean->report->degenerate_triangles;
-        else memcpy(clean->triangles[clean->triangle_count++], corner, sizeof corner);
+        if (repeats_corner(corner))
+            ++clean->report->degenerate_triangles;
+        else
+            memcpy(clean->triangles[clean->triangle_count++], corner, sizeof corner);
     }
 }
 
@@ -148,7 +151,7 @@ static pith_status drop_duplicates(cleaning *clean, pith_error *err)
     return PITH_OK;
 }
 
-/* ---- flat triangles --------------------------------------------------------------------------------------------- */
+/* ---- flat triangles ---------------------------------------------------------------------------------------------- */
 
 /* The slot of the longest edge when the triangle is flatter than the tolerance, else -1. */
 static int flat_slot(const cleaning *clean, const uint32_t *t)
@@ -226,14 +229,16 @@ static pith_status repair_flat(cleaning *clean, pith_error *err)
     /* What is left lies on a boundary or on itself: dropping it changes nothing that can be seen. */
     uint32_t kept = 0;
     for (uint32_t t = 0; t < clean->triangle_count; ++t) {
-        if (flat_slot(clean, clean->triangles[t]) >= 0) ++clean->report->degenerate_triangles;
-        else memmove(clean->triangles[kept++], clean->triangles[t], sizeof *clean->triangles);
+        if (flat_slot(clean, clean->triangles[t]) >= 0)
+            ++clean->report->degenerate_triangles;
+        else
+            memmove(clean->triangles[kept++], clean->triangles[t], sizeof *clean->triangles);
     }
     clean->triangle_count = kept;
     return PITH_OK;
 }
 
-/* ---- the new mesh --------------------------------------------------------------------------------------------------- */
+/* ---- the new mesh ------------------------------------------------------------------------------------------------ */
 
 /* Copies the vertices in use, in their old order, and renumbers the triangles. */
 static pith_status gather(cleaning *clean, pith_mesh **mesh, pith_error *err)
@@ -245,11 +250,13 @@ static pith_status gather(cleaning *clean, pith_mesh **mesh, pith_error *err)
     for (uint32_t t = 0; t < clean->triangle_count; ++t)
         for (int k = 0; k < 3; ++k) index[clean->triangles[t][k]] = 0;
     for (uint32_t v = 0; v < from->vertex_count; ++v) {
-        if (index[v] == 0) index[v] = used++;
-        else clean->report->unused_vertices += clean->same_as[v] == v;
+        if (index[v] == 0)
+            index[v] = used++;
+        else
+            clean->report->unused_vertices += clean->same_as[v] == v;
     }
-    pith_mesh *made = mesh_new(used, clean->triangle_count, from->normals != NULL, from->colours != NULL,
-                               from->texcoords != NULL);
+    pith_mesh *made =
+        mesh_new(used, clean->triangle_count, from->normals != NULL, from->colours != NULL, from->texcoords != NULL);
     for (uint32_t v = 0; made && v < from->vertex_count; ++v) {
         if (index[v] == PITH_NONE) continue;
         made->positions[index[v]] = from->positions[v];

@@ -78,8 +78,7 @@ pith_status pith_mesh_create(const pith_mesh_view *from, pith_mesh **mesh, pith_
     if (n && made->normals) memcpy(made->normals, from->normals, n * sizeof *made->normals);
     if (n && made->colours) memcpy(made->colours, from->colours, n * sizeof *made->colours);
     if (n && made->texcoords) memcpy(made->texcoords, from->texcoords, n * sizeof *made->texcoords);
-    if (from->triangle_count)
-        memcpy(made->triangles, from->triangles, from->triangle_count * sizeof *made->triangles);
+    if (from->triangle_count) memcpy(made->triangles, from->triangles, from->triangle_count * sizeof *made->triangles);
     *mesh = made;
     return PITH_OK;
 }
@@ -110,7 +109,7 @@ void pith_mesh_vertex_normals(const pith_mesh_view *mesh, pith_vec3 *normals)
     for (uint32_t v = 0; v < mesh->vertex_count; ++v) normals[v] = pith_unit(normals[v]);
 }
 
-/* ---- files ----------------------------------------------------------------------------------------------------- */
+/* ---- files ------------------------------------------------------------------------------------------------------- */
 
 static const struct {
     const char *extension;

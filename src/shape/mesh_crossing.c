@@ -4,7 +4,9 @@
 
 #include <string.h>
 
-typedef struct corners { pith_vec3 p[3]; } corners;
+typedef struct corners {
+    pith_vec3 p[3];
+} corners;
 
 static corners corners_of(const pith_mesh_view *view, uint32_t t)
 {
@@ -12,7 +14,7 @@ static corners corners_of(const pith_mesh_view *view, uint32_t t)
     return (corners){ { view->positions[c[0]], view->positions[c[1]], view->positions[c[2]] } };
 }
 
-/* ---- in a plane --------------------------------------------------------------------------------------------------- */
+/* ---- in a plane -------------------------------------------------------------------------------------------------- */
 
 /* An axis along which the triangle can be projected without losing its area; -1 when it has none. */
 static int projection_axis(const corners *t)
@@ -66,9 +68,12 @@ static bool corner_contains(const corners *t, pith_vec3 p, int axis)
     return mesh_orient2d(t->p[0], t->p[1], p, axis) * turn >= 0 && mesh_orient2d(t->p[0], p, t->p[2], axis) * turn >= 0;
 }
 
-/* ---- in space ----------------------------------------------------------------------------------------------------- */
+/* ---- in space ---------------------------------------------------------------------------------------------------- */
 
-typedef struct sides { int of[3]; bool apart, flat; } sides;
+typedef struct sides {
+    int of[3];
+    bool apart, flat;
+} sides;
 
 /* On which side of the plane of t the corners of other lie. */
 static sides sides_of(const corners *t, const corners *other)
@@ -80,8 +85,9 @@ static sides sides_of(const corners *t, const corners *other)
     return s;
 }
 
-/* The closed segment pq, whose ends lie on the sides sp and sq of the plane of t, meets the closed triangle t. A segment
-   in the plane is left out: the edges that leave the plane at its ends, or the other triangle's edges, answer for it. */
+/* The closed segment pq, whose ends lie on the sides sp and sq of the plane of t, meets the closed triangle t. A
+   segment in the plane is left out: the edges that leave the plane at its ends, or the other triangle's edges, answer
+   for it. */
 static bool pierces(pith_vec3 p, pith_vec3 q, int sp, int sq, const corners *t)
 {
     if (sp * sq > 0 || (sp == 0 && sq == 0)) return false;
@@ -164,9 +170,11 @@ static bool cross(const pith_mesh_view *view, uint32_t ta, uint32_t tb)
     return meet_beyond_edge(&a, &b);
 }
 
-/* ---- all pairs ------------------------------------------------------------------------------------------------------ */
+/* ---- all pairs --------------------------------------------------------------------------------------------------- */
 
-typedef struct query_box { double low[3], high[3]; } query_box;
+typedef struct query_box {
+    double low[3], high[3];
+} query_box;
 
 static query_box box_of(const corners *t)
 {

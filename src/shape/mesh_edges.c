@@ -1,9 +1,9 @@
-/* Who shares an edge with whom: boundary and non-manifold edges, patches that can be turned consistently, components. */
+/* Who shares an edge with whom: boundary and non-manifold edges, patches that can be turned alike, components. */
 #include "mesh_internal.h"
 
 #include <string.h>
 
-/* ---- union-find ------------------------------------------------------------------------------------------------- */
+/* ---- union-find -------------------------------------------------------------------------------------------------- */
 
 static uint32_t find_root(uint32_t *parent, uint32_t i)
 {
@@ -17,11 +17,13 @@ static uint32_t find_root(uint32_t *parent, uint32_t i)
 static void unite(uint32_t *parent, uint32_t a, uint32_t b)
 {
     const uint32_t ra = find_root(parent, a), rb = find_root(parent, b);
-    if (ra < rb) parent[rb] = ra;
-    else parent[ra] = rb;
+    if (ra < rb)
+        parent[rb] = ra;
+    else
+        parent[ra] = rb;
 }
 
-/* ---- sorted uses ------------------------------------------------------------------------------------------------ */
+/* ---- sorted uses ------------------------------------------------------------------------------------------------- */
 
 static bool repeats_corner(const uint32_t *t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
 
@@ -50,8 +52,7 @@ static pith_status sort_uses(const pith_mesh_view *view, mesh_edges *edges, pith
         const uint32_t *c = view->triangles[t];
         for (uint32_t k = 0; k < 3 && !repeats_corner(c); ++k) {
             const uint32_t a = c[k], b = c[(k + 1) % 3];
-            edges->uses[edges->use_count++] =
-                (mesh_edge_use){ a < b ? a : b, a < b ? b : a, t, (uint8_t)k, a < b };
+            edges->uses[edges->use_count++] = (mesh_edge_use){ a < b ? a : b, a < b ? b : a, t, (uint8_t)k, a < b };
         }
     }
     /* Least significant key first; the order of triangles survives both passes. */
@@ -70,7 +71,7 @@ size_t mesh_edge_run(const mesh_edges *edges, size_t first)
     return last - first;
 }
 
-/* ---- components and boundary loops ------------------------------------------------------------------------------ */
+/* ---- components and boundary loops ------------------------------------------------------------------------------- */
 
 static void count_components(const pith_mesh_view *view, mesh_edges *edges, uint32_t *parent)
 {
@@ -104,8 +105,8 @@ static void count_boundary(const pith_mesh_view *view, mesh_edges *edges, uint32
 /* ---- patches ----------------------------------------------------------------------------------------------------- */
 
 typedef struct patch_scratch {
-    uint32_t (*mate)[3];  /* the triangle across edge k when the edge has exactly two, else PITH_NONE */
-    bool (*same)[3];      /* it runs along the edge in the same direction: one of both must turn */
+    uint32_t (*mate)[3]; /* the triangle across edge k when the edge has exactly two, else PITH_NONE */
+    bool (*same)[3];     /* it runs along the edge in the same direction: one of both must turn */
     uint32_t *stack;
 } patch_scratch;
 
@@ -155,7 +156,8 @@ static void judge_edges(mesh_edges *edges, int32_t *balance)
             balance[edges->patch[uses[k].triangle]] += uses[k].forward != edges->flip[uses[k].triangle] ? 1 : -1;
         const bool torn = run == 2 && balance[edges->patch[uses[0].triangle]] != 0; /* both are of one patch */
         for (size_t k = 0; k < run; ++k)
-            if (balance[edges->patch[uses[k].triangle]] != 0) edges->patch_closed[edges->patch[uses[k].triangle]] = false;
+            if (balance[edges->patch[uses[k].triangle]] != 0)
+                edges->patch_closed[edges->patch[uses[k].triangle]] = false;
         for (size_t k = 0; k < run; ++k) balance[edges->patch[uses[k].triangle]] = 0;
 
         if (run == 2 && uses[0].forward == uses[1].forward) edges->agree = false;

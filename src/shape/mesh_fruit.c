@@ -29,18 +29,19 @@ pith_fruit_options pith_fruit_options_default(void)
     return options;
 }
 
-/* ---- the icosphere --------------------------------------------------------------------------------------------- */
+/* ---- the icosphere ----------------------------------------------------------------------------------------------- */
 
 static void make_icosahedron(pith_mesh *mesh)
 {
     static const uint32_t faces[20][3] = {
-        { 0, 11, 5 }, { 0, 5, 1 }, { 0, 1, 7 },  { 0, 7, 10 }, { 0, 10, 11 }, { 1, 5, 9 }, { 5, 11, 4 },
-        { 11, 10, 2 }, { 10, 7, 6 }, { 7, 1, 8 }, { 3, 9, 4 },  { 3, 4, 2 },   { 3, 2, 6 }, { 3, 6, 8 },
-        { 3, 8, 9 },  { 4, 9, 5 }, { 2, 4, 11 }, { 6, 2, 10 }, { 8, 6, 7 },   { 9, 8, 1 },
+        { 0, 11, 5 },  { 0, 5, 1 },  { 0, 1, 7 },  { 0, 7, 10 }, { 0, 10, 11 }, { 1, 5, 9 }, { 5, 11, 4 },
+        { 11, 10, 2 }, { 10, 7, 6 }, { 7, 1, 8 },  { 3, 9, 4 },  { 3, 4, 2 },   { 3, 2, 6 }, { 3, 6, 8 },
+        { 3, 8, 9 },   { 4, 9, 5 },  { 2, 4, 11 }, { 6, 2, 10 }, { 8, 6, 7 },   { 9, 8, 1 },
     };
     const double g = (1.0 + sqrt(5.0)) / 2.0;
-    const pith_vec3 corners[12] = { { -1, g, 0 }, { 1, g, 0 }, { -1, -g, 0 }, { 1, -g, 0 }, { 0, -1, g }, { 0, 1, g },
-                                    { 0, -1, -g }, { 0, 1, -g }, { g, 0, -1 }, { g, 0, 1 }, { -g, 0, -1 }, { -g, 0, 1 } };
+    const pith_vec3 corners[12] = { { -1, g, 0 }, { 1, g, 0 }, { -1, -g, 0 }, { 1, -g, 0 },
+                                    { 0, -1, g }, { 0, 1, g }, { 0, -1, -g }, { 0, 1, -g },
+                                    { g, 0, -1 }, { g, 0, 1 }, { -g, 0, -1 }, { -g, 0, 1 } };
     for (int v = 0; v < 12; ++v) mesh->positions[v] = pith_unit(corners[v]);
     memcpy(mesh->triangles, faces, sizeof faces);
 }
@@ -76,8 +77,9 @@ static bool subdivide(pith_mesh *mesh, uint32_t *vertex_count, uint32_t triangle
         uint32_t c[3], m[3];
         memcpy(c, mesh->triangles[t], sizeof c);
         for (int k = 0; k < 3; ++k) m[k] = middle_of(&table, mesh, vertex_count, c[k], c[(k + 1) % 3]);
-        const uint32_t children[4][3] = { { c[0], m[0], m[2] }, { c[1], m[1], m[0] }, { c[2], m[2], m[1] },
-                                          { m[0], m[1], m[2] } };
+        const uint32_t children[4][3] = {
+            { c[0], m[0], m[2] }, { c[1], m[1], m[0] }, { c[2], m[2], m[1] }, { m[0], m[1], m[2] }
+        };
         memcpy(mesh->triangles[4 * (size_t)t], children, sizeof children);
     }
     pith_free(table.keys);
@@ -85,10 +87,13 @@ static bool subdivide(pith_mesh *mesh, uint32_t *vertex_count, uint32_t triangle
     return ready;
 }
 
-/* ---- the body --------------------------------------------------------------------------------------------------- */
+/* ---- the body ---------------------------------------------------------------------------------------------------- */
 
 enum { WAVES = 8 };
-typedef struct fruit_waves { pith_vec3 frequency[WAVES]; double phase[WAVES]; } fruit_waves;
+typedef struct fruit_waves {
+    pith_vec3 frequency[WAVES];
+    double phase[WAVES];
+} fruit_waves;
 
 static fruit_waves make_waves(uint64_t seed)
 {

@@ -27,9 +27,11 @@ typedef struct glb_accessor {
     bool normalized;
 } glb_accessor;
 
-typedef struct affine { double m[3][4]; } affine; /* rows; the last column is the translation */
+typedef struct affine {
+    double m[3][4];
+} affine; /* rows; the last column is the translation */
 
-/* ---- chunks ------------------------------------------------------------------------------------------------------- */
+/* ---- chunks ------------------------------------------------------------------------------------------------------ */
 
 static uint32_t read_u32(const unsigned char *bytes)
 {
@@ -56,8 +58,8 @@ static pith_status read_chunks(glb_file *glb, const unsigned char *bytes, size_t
         return pith_fail(glb->err, PITH_BAD_FILE, "%s: does not start as a binary glTF 2.0 file does", glb->name);
     const uint64_t total = read_u32(bytes + 8);
     if (total > size || total < 20)
-        return pith_fail(glb->err, PITH_BAD_FILE, "%s: says it has %llu bytes, but has %zu; it may be cut off", glb->name,
-                         (unsigned long long)total, size);
+        return pith_fail(glb->err, PITH_BAD_FILE, "%s: says it has %llu bytes, but has %zu; it may be cut off",
+                         glb->name, (unsigned long long)total, size);
     for (uint64_t at = 12, index = 0; at + 8 <= total; ++index) {
         const uint32_t length = read_u32(bytes + at), type = read_u32(bytes + at + 4);
         if (length > total - at - 8)
@@ -75,7 +77,7 @@ static pith_status read_chunks(glb_file *glb, const unsigned char *bytes, size_t
     return PITH_OK;
 }
 
-/* ---- JSON in small steps ------------------------------------------------------------------------------------------- */
+/* ---- JSON in small steps ----------------------------------------------------------------------------------------- */
 
 /* A whole number below 2^32 under a key; the standard value when the key is absent. False for anything else. */
 static bool get_u32(const json_t *object, const char *key, uint32_t standard, uint32_t *value)
@@ -83,7 +85,8 @@ static bool get_u32(const json_t *object, const char *key, uint32_t standard, ui
     const json_t *found = json_object_get(object, key);
     *value = standard;
     if (!found) return true;
-    if (!json_is_integer(found) || json_integer_value(found) < 0 || json_integer_value(found) >= UINT32_MAX) return false;
+    if (!json_is_integer(found) || json_integer_value(found) < 0 || json_integer_value(found) >= UINT32_MAX)
+        return false;
     *value = (uint32_t)json_integer_value(found);
     return true;
 }
@@ -99,18 +102,22 @@ static pith_status wrong(const glb_file *glb, const char *what, uint32_t index, 
     return pith_fail(glb->err, PITH_BAD_FILE, "%s: %s %u %s", glb->name, what, index, why);
 }
 
-/* ---- accessors ------------------------------------------------------------------------------------------------------ */
+/* ---- accessors --------------------------------------------------------------------------------------------------- */
 
 static uint32_t type_size(uint32_t type)
 {
     switch (type) {
     case TYPE_I8:
-    case TYPE_U8: return 1;
+    case TYPE_U8:
+        return 1;
     case TYPE_I16:
-    case TYPE_U16: return 2;
+    case TYPE_U16:
+        return 2;
     case TYPE_U32:
-    case TYPE_F32: return 4;
-    default: return 0;
+    case TYPE_F32:
+        return 4;
+    default:
+        return 0;
     }
 }
 
@@ -133,7 +140,8 @@ static pith_status find_view(const glb_file *glb, uint32_t index, const unsigned
         return wrong(glb, "bufferView", index, "is compressed by meshopt; export the model without compression");
     if (!get_u32(view, "buffer", UINT32_MAX, &buffer) || !get_u32(view, "byteOffset", 0, &offset) ||
         !get_u32(view, "byteLength", 0, &length) || !get_u32(view, "byteStride", 0, stride))
-        return wrong(glb, "bufferView", index, "has a buffer, byteOffset, byteLength or byteStride that is no whole number");
+        return wrong(glb, "bufferView", index,
+                     "has a buffer, byteOffset, byteLength or byteStride that is no whole number");
     if (buffer != 0 || json_object_get(root_item(glb, "buffers", 0), "uri") || !glb->buffer)
         return wrong(glb, "bufferView", index,
                      "lies outside the file's binary chunk; export the model as one GLB with embedded buffers");
@@ -156,7 +164,8 @@ static pith_status find_accessor(const glb_file *glb, uint32_t index, glb_access
                                 .normalized = json_is_true(json_object_get(json, "normalized")) };
     if (!get_u32(json, "bufferView", UINT32_MAX, &view) || !get_u32(json, "byteOffset", 0, &offset) ||
         !get_u32(json, "count", 0, &accessor->count) || !get_u32(json, "componentType", 0, &accessor->type))
-        return wrong(glb, "accessor", index, "has a bufferView, byteOffset, count or componentType that is no whole number");
+        return wrong(glb, "accessor", index,
+                     "has a bufferView, byteOffset, count or componentType that is no whole number");
     const uint64_t element = (uint64_t)type_size(accessor->type) * accessor->components;
     if (element == 0 || accessor->count == 0)
         return wrong(glb, "accessor", index, "has an unknown type or componentType, or no element");
@@ -182,11 +191,18 @@ static double component(const glb_accessor *accessor, uint32_t index, uint32_t k
     uint32_t u32;
     float f32;
     switch (accessor->type) {
-    case TYPE_I8: return normalize(accessor, (int8_t)at[0], 127.0);
-    case TYPE_U8: return normalize(accessor, at[0], 255.0);
-    case TYPE_I16: memcpy(&u16, at, 2); return normalize(accessor, (int16_t)le16toh(u16), 32767.0);
-    case TYPE_U16: memcpy(&u16, at, 2); return normalize(accessor, le16toh(u16), 65535.0);
-    case TYPE_U32: return read_u32(at);
+    case TYPE_I8:
+        return normalize(accessor, (int8_t)at[0], 127.0);
+    case TYPE_U8:
+        return normalize(accessor, at[0], 255.0);
+    case TYPE_I16:
+        memcpy(&u16, at, 2);
+        return normalize(accessor, (int16_t)le16toh(u16), 32767.0);
+    case TYPE_U16:
+        memcpy(&u16, at, 2);
+        return normalize(accessor, le16toh(u16), 65535.0);
+    case TYPE_U32:
+        return read_u32(at);
     default:
         u32 = read_u32(at);
         memcpy(&f32, &u32, 4);
@@ -194,9 +210,11 @@ static double component(const glb_accessor *accessor, uint32_t index, uint32_t k
     }
 }
 
-/* ---- primitives ------------------------------------------------------------------------------------------------------ */
+/* ---- primitives -------------------------------------------------------------------------------------------------- */
 
-typedef struct glb_attributes { glb_accessor position, normal, colour, texcoord; } glb_attributes;
+typedef struct glb_attributes {
+    glb_accessor position, normal, colour, texcoord;
+} glb_attributes;
 
 /* An attribute of a primitive, if it has it: found when *accessor gets a count. */
 static pith_status find_attribute(const glb_file *glb, const json_t *primitive, const char *name, uint32_t least,
@@ -228,9 +246,10 @@ static pith_status find_attributes(const glb_file *glb, const json_t *primitive,
     const glb_accessor *others[] = { &found->normal, &found->colour, &found->texcoord };
     for (int k = 0; k < 3; ++k)
         if (others[k]->count != 0 && others[k]->count != found->position.count)
-            return pith_fail(glb->err, PITH_BAD_FILE, "%s: a primitive's attributes have %u and %u elements; they must "
-                                                      "have equally many", glb->name, found->position.count,
-                             others[k]->count);
+            return pith_fail(glb->err, PITH_BAD_FILE,
+                             "%s: a primitive's attributes have %u and %u elements; they must "
+                             "have equally many",
+                             glb->name, found->position.count, others[k]->count);
     return PITH_OK;
 }
 
@@ -241,10 +260,7 @@ static pith_vec3 vector_at(const glb_accessor *accessor, uint32_t index)
 
 static pith_vec3 row_of(const affine *a, int row) { return pith_v3(a->m[row][0], a->m[row][1], a->m[row][2]); }
 
-static double determinant(const affine *a)
-{
-    return pith_dot(pith_cross(row_of(a, 0), row_of(a, 1)), row_of(a, 2));
-}
+static double determinant(const affine *a) { return pith_dot(pith_cross(row_of(a, 0), row_of(a, 1)), row_of(a, 2)); }
 
 static pith_vec3 transform_point(const affine *a, pith_vec3 p)
 {
@@ -264,7 +280,8 @@ static pith_status add_vertices(const glb_file *glb, const glb_attributes *from,
 {
     mesh_builder *builder = glb->builder;
     if (builder->vertex_count + from->position.count > MOST_VERTICES)
-        return pith_fail(glb->err, PITH_BAD_FILE, "%s: its nodes place more than %d vertices", glb->name, MOST_VERTICES);
+        return pith_fail(glb->err, PITH_BAD_FILE, "%s: its nodes place more than %d vertices", glb->name,
+                         MOST_VERTICES);
     builder->normals |= from->normal.count > 0;
     builder->colours |= from->colour.count > 0;
     builder->texcoords |= from->texcoord.count > 0;
@@ -339,12 +356,9 @@ static pith_status add_primitive(const glb_file *glb, const json_t *primitive, c
     return add_triangles(glb, &indices, mode, base, attributes.position.count, determinant(place) < 0.0);
 }
 
-/* ---- nodes ------------------------------------------------------------------------------------------------------------ */
+/* ---- nodes ------------------------------------------------------------------------------------------------------- */
 
-static affine identity(void)
-{
-    return (affine){ { { 1, 0, 0, 0 }, { 0, 1, 0, 0 }, { 0, 0, 1, 0 } } };
-}
+static affine identity(void) { return (affine){ { { 1, 0, 0, 0 }, { 0, 1, 0, 0 }, { 0, 0, 1, 0 } } }; }
 
 static affine multiply(const affine *a, const affine *b)
 {
@@ -397,7 +411,10 @@ static bool node_transform(const json_t *node, affine *local)
 
 /* Nodes waiting to be visited. A node belongs to one parent, so each is taken once and cycles cannot run. */
 typedef struct node_stack {
-    struct { uint32_t node; affine parent; } *items;
+    struct {
+        uint32_t node;
+        affine parent;
+    } * items;
     size_t count, room;
     bool *taken; /* [node_count] */
     size_t node_count;
@@ -409,7 +426,8 @@ static pith_status push_nodes(const glb_file *glb, node_stack *stack, const json
         const json_t *item = json_array_get(list, k);
         const json_int_t node = json_is_integer(item) ? json_integer_value(item) : -1;
         if (node < 0 || (uint64_t)node >= stack->node_count)
-            return pith_fail(glb->err, PITH_BAD_FILE, "%s: a scene or node lists a node that does not exist", glb->name);
+            return pith_fail(glb->err, PITH_BAD_FILE, "%s: a scene or node lists a node that does not exist",
+                             glb->name);
         if (stack->taken[node]) return wrong(glb, "node", (uint32_t)node, "is listed twice");
         stack->taken[node] = true;
         if (!pith_grow((void **)&stack->items, &stack->room, stack->count + 1, sizeof *stack->items))
@@ -426,7 +444,8 @@ static pith_status visit_nodes(const glb_file *glb, node_stack *stack)
         const uint32_t index = stack->items[--stack->count].node;
         const json_t *node = root_item(glb, "nodes", index);
         affine local;
-        if (!node_transform(node, &local)) return wrong(glb, "node", index, "has a transform that is no list of numbers");
+        if (!node_transform(node, &local))
+            return wrong(glb, "node", index, "has a transform that is no list of numbers");
         const affine place = multiply(&stack->items[stack->count].parent, &local);
         PITH_TRY(push_nodes(glb, stack, json_object_get(node, "children"), &place));
         if (!json_object_get(node, "mesh")) continue;

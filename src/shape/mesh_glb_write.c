@@ -1,5 +1,5 @@
-/* Binary glTF 2.0 (GLB), writing: one mesh of one primitive, its attributes one after the other in the binary chunk. The
-   same mesh always gives the same bytes. */
+/* Binary glTF 2.0 (GLB), writing: one mesh of one primitive, its attributes one after the other in the binary chunk.
+   The same mesh always gives the same bytes. */
 #include "mesh_internal.h"
 
 #include <jansson.h>
@@ -111,14 +111,14 @@ static bool has_transparency(const pith_mesh_view *view)
 /* The whole JSON; takes over the writer's arrays. */
 static json_t *make_document(glb_writer *writer, const pith_mesh_view *view, json_int_t indices)
 {
-    json_t *root = json_pack(
-        "{s:{s:s, s:s}, s:i, s:[{s:[i]}], s:[{s:i}], s:[{s:[{s:O, s:I, s:i, s:i}]}],"
-        " s:[{s:{s:i, s:f}, s:b, s:s}], s:[{s:I}], s:O, s:O}",
-        "asset", "version", "2.0", "generator", "pith", "scene", 0, "scenes", "nodes", 0, "nodes", "mesh", 0, "meshes",
-        "primitives", "attributes", writer->attributes, "indices", indices, "material", 0, "mode", 4, "materials",
-        "pbrMetallicRoughness", "metallicFactor", 0, "roughnessFactor", 0.6, "doubleSided", 0, "alphaMode",
-        has_transparency(view) ? "BLEND" : "OPAQUE", "buffers", "byteLength", (json_int_t)writer->binary.size,
-        "bufferViews", writer->views, "accessors", writer->accessors);
+    json_t *root =
+        json_pack("{s:{s:s, s:s}, s:i, s:[{s:[i]}], s:[{s:i}], s:[{s:[{s:O, s:I, s:i, s:i}]}],"
+                  " s:[{s:{s:i, s:f}, s:b, s:s}], s:[{s:I}], s:O, s:O}",
+                  "asset", "version", "2.0", "generator", "pith", "scene", 0, "scenes", "nodes", 0, "nodes", "mesh", 0,
+                  "meshes", "primitives", "attributes", writer->attributes, "indices", indices, "material", 0, "mode",
+                  4, "materials", "pbrMetallicRoughness", "metallicFactor", 0, "roughnessFactor", 0.6, "doubleSided", 0,
+                  "alphaMode", has_transparency(view) ? "BLEND" : "OPAQUE", "buffers", "byteLength",
+                  (json_int_t)writer->binary.size, "bufferViews", writer->views, "accessors", writer->accessors);
     if (!root) writer->failed = true;
     return root;
 }
@@ -140,7 +140,8 @@ static void write_file(mesh_bytes *bytes, const char *json, const mesh_bytes *bi
 
 pith_status mesh_write_glb(const pith_mesh_view *view, mesh_bytes *bytes, pith_error *err)
 {
-    if (view->triangle_count == 0) return pith_fail(err, PITH_BAD_MESH, "a mesh without triangles cannot be a GLB file");
+    if (view->triangle_count == 0)
+        return pith_fail(err, PITH_BAD_MESH, "a mesh without triangles cannot be a GLB file");
     const uint64_t size = (uint64_t)view->vertex_count * 48 + (uint64_t)view->triangle_count * 12;
     if (size > UINT32_MAX - 65536)
         return pith_fail(err, PITH_BAD_MESH, "a GLB file holds 4 GiB at most, this mesh needs %llu bytes; write PLY",

@@ -16,7 +16,7 @@ struct pith_mesh {
 /* Coordinates beyond this make squares and cubes of lengths overflow or lose all meaning. */
 #define MESH_COORDINATE_LIMIT 1e60
 
-/* ---- mesh_core.c ---- */
+/* ---- mesh_core.c ------------------------------------------------------------------------------------------------- */
 
 /* A mesh with arrays of these sizes, zeroed; optional arrays only when wanted. NULL: no memory. */
 pith_mesh *mesh_new(uint32_t vertices, uint32_t triangles, bool normals, bool colours, bool texcoords);
@@ -24,7 +24,7 @@ pith_mesh *mesh_new(uint32_t vertices, uint32_t triangles, bool normals, bool co
 pith_status mesh_check(const pith_mesh_view *view, const char *what, pith_error *err);
 double mesh_triangle_area(const pith_mesh_view *view, uint32_t triangle);
 
-/* ---- mesh_build.c: what readers fill ---- */
+/* ---- mesh_build.c: what readers fill ----------------------------------------------------------------------------- */
 
 typedef struct mesh_vertex {
     pith_vec3 position, normal;
@@ -51,7 +51,7 @@ void mesh_builder_free(mesh_builder *builder);
 float mesh_srgb_decode(double encoded);
 float mesh_srgb_encode(double linear);
 
-/* ---- mesh_text.c: numbers and words from text, independent of the locale ---- */
+/* ---- mesh_text.c: numbers and words from text, independent of the locale ----------------------------------------- */
 
 typedef struct mesh_text {
     const char *name;
@@ -59,9 +59,9 @@ typedef struct mesh_text {
     uint32_t line; /* from 1 */
 } mesh_text;
 
-void mesh_text_blanks(mesh_text *text);         /* skips spaces, tabs, carriage returns, joined lines */
-void mesh_text_space(mesh_text *text);          /* also line ends and comments from '#' */
-bool mesh_text_line_ends(mesh_text *text);      /* after blanks: at a line end, a comment or the end */
+void mesh_text_blanks(mesh_text *text);    /* skips spaces, tabs, carriage returns, joined lines */
+void mesh_text_space(mesh_text *text);     /* also line ends and comments from '#' */
+bool mesh_text_line_ends(mesh_text *text); /* after blanks: at a line end, a comment or the end */
 void mesh_text_next_line(mesh_text *text);
 bool mesh_text_word(mesh_text *text, char *word, size_t capacity); /* after blanks; false when there is none */
 bool mesh_text_double(mesh_text *text, double *value);             /* after blanks */
@@ -70,7 +70,7 @@ bool mesh_text_integer(mesh_text *text, int64_t *value);           /* after blan
 pith_status mesh_text_fail(const mesh_text *text, pith_error *err, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-/* ---- mesh_bytes.c: what writers fill; one test at the end tells whether memory sufficed ---- */
+/* ---- mesh_bytes.c: what writers fill; one test at the end tells whether memory sufficed -------------------------- */
 
 typedef struct mesh_bytes {
     unsigned char *data;
@@ -83,37 +83,37 @@ void mesh_bytes_text(mesh_bytes *bytes, const char *text);
 void mesh_bytes_number(mesh_bytes *bytes, double value); /* finite; with as many digits as it takes to read it back */
 void mesh_bytes_float(mesh_bytes *bytes, float value);
 void mesh_bytes_integer(mesh_bytes *bytes, uint64_t value);
-void mesh_bytes_f32(mesh_bytes *bytes, float value);     /* the binary ones are little endian */
+void mesh_bytes_f32(mesh_bytes *bytes, float value); /* the binary ones are little endian */
 void mesh_bytes_f64(mesh_bytes *bytes, double value);
 void mesh_bytes_u32(mesh_bytes *bytes, uint32_t value);
 void mesh_bytes_free(mesh_bytes *bytes);
 
-/* ---- one reader and one writer per format ---- */
+/* ---- one reader and one writer per format ------------------------------------------------------------------------ */
 
 typedef pith_status mesh_reader(mesh_builder *builder, const unsigned char *bytes, size_t size, pith_error *err);
 mesh_reader mesh_read_obj, mesh_read_off, mesh_read_ply, mesh_read_stl, mesh_read_glb;
 typedef pith_status mesh_writer(const pith_mesh_view *view, mesh_bytes *bytes, pith_error *err);
 mesh_writer mesh_write_obj, mesh_write_ply, mesh_write_glb;
 
-/* ---- mesh_edges.c: who shares an edge with whom ---- */
+/* ---- mesh_edges.c: who shares an edge with whom ------------------------------------------------------------------ */
 
 typedef struct mesh_edge_use {
-    uint32_t low, high;   /* end vertices, low < high */
+    uint32_t low, high; /* end vertices, low < high */
     uint32_t triangle;
-    uint8_t slot;         /* it is the triangle's edge from corner slot to the next */
-    bool forward;         /* the triangle runs from low to high */
+    uint8_t slot; /* it is the triangle's edge from corner slot to the next */
+    bool forward; /* the triangle runs from low to high */
 } mesh_edge_use;
 
 typedef struct mesh_edges {
-    mesh_edge_use *uses;  /* sorted by (low, high, triangle); triangles with a repeated corner are left out */
+    mesh_edge_use *uses; /* sorted by (low, high, triangle); triangles with a repeated corner are left out */
     size_t use_count;
-    uint32_t *patch;      /* [triangle_count] connected through edges of exactly two triangles; PITH_NONE: left out */
+    uint32_t *patch; /* [triangle_count] connected through edges of exactly two triangles; PITH_NONE: left out */
     uint32_t patch_count;
     uint32_t component_count; /* connected through any edge */
-    bool *flip;           /* [triangle_count] must be turned to agree with the others of its patch */
-    bool *patch_closed;   /* [patch_count] every edge has as many forward as backward uses in it, once turned */
+    bool *flip;               /* [triangle_count] must be turned to agree with the others of its patch */
+    bool *patch_closed;       /* [patch_count] every edge has as many forward as backward uses in it, once turned */
     uint32_t boundary_edges, boundary_loops, nonmanifold_edges;
-    bool agree;           /* edges of two triangles run in opposite directions as the mesh stands */
+    bool agree; /* edges of two triangles run in opposite directions as the mesh stands */
     uint32_t boundary_edge[2], nonmanifold_edge[2]; /* the first of each kind, when there is one */
 } mesh_edges;
 
@@ -122,7 +122,7 @@ pith_status mesh_edges_find(const pith_mesh_view *view, mesh_edges *edges, pith_
 size_t mesh_edge_run(const mesh_edges *edges, size_t first);
 void mesh_edges_free(mesh_edges *edges);
 
-/* ---- mesh_tree.c: a tree of boxes over the triangles ---- */
+/* ---- mesh_tree.c: a tree of boxes over the triangles ------------------------------------------------------------- */
 
 typedef struct mesh_tree_node {
     double low[3], high[3];
@@ -154,21 +154,21 @@ void mesh_tree_stab(const mesh_tree *tree, const pith_mesh_view *view, pith_vec3
                     const uint32_t *label, mesh_stab *stab);
 void mesh_stab_clear(mesh_stab *stab);
 
-/* ---- mesh_predicates.c: exact signs ---- */
+/* ---- mesh_predicates.c: exact signs ------------------------------------------------------------------------------ */
 
 /* Sign (-1, 0, 1) of pith_volume6(a, b, c, d), exact. */
 int mesh_orient3d(pith_vec3 a, pith_vec3 b, pith_vec3 c, pith_vec3 d);
 /* Sign of (b - a) x (c - a) in the plane left when `axis` (0, 1, 2) is dropped, exact. */
 int mesh_orient2d(pith_vec3 a, pith_vec3 b, pith_vec3 c, int axis);
 
-/* ---- mesh_turn.c, mesh_measure.c: steps of cleaning ---- */
+/* ---- mesh_turn.c, mesh_measure.c: steps of cleaning -------------------------------------------------------------- */
 
 /* Turns triangles in place: neighbours alike, closed patches outward, cavities inward; adds to *flipped. */
 pith_status mesh_turn(pith_mesh *mesh, uint32_t *flipped, pith_error *err);
 /* Fills all of the report but the counts of repairs; the mesh has been checked. */
 pith_status mesh_measure_into(const pith_mesh *mesh, pith_mesh_report *report, pith_error *err);
 
-/* ---- mesh_crossing.c ---- */
+/* ---- mesh_crossing.c --------------------------------------------------------------------------------------------- */
 
 #define MESH_CROSSING_LIMIT 10000
 

@@ -63,9 +63,12 @@ pith_status pith_mesh_measure(const pith_mesh *mesh, pith_mesh_report *report, p
     return PITH_OK;
 }
 
-/* ---- in words ------------------------------------------------------------------------------------------------------ */
+/* ---- in words ---------------------------------------------------------------------------------------------------- */
 
-typedef struct sentence { char *text; size_t capacity, length; } sentence;
+typedef struct sentence {
+    char *text;
+    size_t capacity, length;
+} sentence;
 
 __attribute__((format(printf, 2, 3))) static void say(sentence *s, const char *format, ...)
 {
@@ -97,7 +100,8 @@ void pith_mesh_complaint(const pith_mesh_report *report, char *text, size_t capa
         join = "; and ";
     }
     if (report->nonmanifold_edges) {
-        say(&s, "%s%u non-manifold edge%s (shared by more than two triangles, or by two that cannot agree on an outside)",
+        say(&s,
+            "%s%u non-manifold edge%s (shared by more than two triangles, or by two that cannot agree on an outside)",
             join, report->nonmanifold_edges, plural(report->nonmanifold_edges));
         say_place(&s, report->nonmanifold_edges, report->nonmanifold_at);
         join = "; and ";
@@ -115,8 +119,9 @@ void pith_mesh_complaint(const pith_mesh_report *report, char *text, size_t capa
             report->nonmanifold_edges ? "separate the sheets that meet there, " : "",
             report->self_intersections ? "unite the parts that overlap, " : "");
     } else if (!report->closed) {
-        say(&s, "%s", report->triangles == 0 ? "the surface has no triangle"
-                                             : "the surface's triangles are not turned alike; clean the mesh to turn "
-                                               "them outward");
+        say(&s, "%s",
+            report->triangles == 0 ? "the surface has no triangle"
+                                   : "the surface's triangles are not turned alike; clean the mesh to turn "
+                                     "them outward");
     }
 }

@@ -6,8 +6,13 @@
 
 #define ABSENT UINT32_MAX
 
-typedef struct obj_corner { uint32_t position, texcoord, normal; } obj_corner;
-typedef struct obj_triangle { obj_corner corners[3]; uint32_t line; } obj_triangle;
+typedef struct obj_corner {
+    uint32_t position, texcoord, normal;
+} obj_corner;
+typedef struct obj_triangle {
+    obj_corner corners[3];
+    uint32_t line;
+} obj_triangle;
 
 typedef struct obj_file {
     mesh_text text;
@@ -15,7 +20,7 @@ typedef struct obj_file {
     float (*texcoords)[2];
     pith_vec3 *normals;
     obj_triangle *triangles;
-    obj_corner *polygon;   /* of the line being read */
+    obj_corner *polygon; /* of the line being read */
     size_t vertex_count, vertex_room, texcoord_count, texcoord_room, normal_count, normal_room, triangle_count,
         triangle_room, polygon_room;
     bool colours;
@@ -30,7 +35,7 @@ static void obj_free(obj_file *obj)
     pith_free(obj->polygon);
 }
 
-/* ---- lines ----------------------------------------------------------------------------------------------------- */
+/* ---- lines ------------------------------------------------------------------------------------------------------- */
 
 /* Reads up to `most` numbers to the end of the line; the number of them, or -1 when a word is none. */
 static int read_numbers(mesh_text *text, double *values, int most)
@@ -122,9 +127,11 @@ static pith_status read_face(obj_file *obj, pith_error *err)
         if (!read_corner(obj, &obj->polygon[count++]))
             return mesh_text_fail(&obj->text, err,
                                   "corner %zu of the face is not an index; expected v, v/vt, v//vn or v/vt/vn with "
-                                  "numbers from 1, or from -1 backwards to what was read so far", count);
+                                  "numbers from 1, or from -1 backwards to what was read so far",
+                                  count);
     }
-    if (count < 3) return mesh_text_fail(&obj->text, err, "a face needs at least three corners, this one has %zu", count);
+    if (count < 3)
+        return mesh_text_fail(&obj->text, err, "a face needs at least three corners, this one has %zu", count);
     if (!pith_grow((void **)&obj->triangles, &obj->triangle_room, obj->triangle_count + count - 2,
                    sizeof *obj->triangles))
         return PITH_OUT_OF_MEMORY(err, obj->text.name);
@@ -139,20 +146,28 @@ static pith_status read_lines(obj_file *obj, pith_error *err)
     for (; obj->text.at < obj->text.end; mesh_text_next_line(&obj->text)) {
         char word[8];
         if (mesh_text_line_ends(&obj->text) || !mesh_text_word(&obj->text, word, sizeof word)) continue;
-        if (strcmp(word, "v") == 0) PITH_TRY(read_position(obj, err));
-        else if (strcmp(word, "vt") == 0) PITH_TRY(read_texcoord(obj, err));
-        else if (strcmp(word, "vn") == 0) PITH_TRY(read_normal(obj, err));
-        else if (strcmp(word, "f") == 0) PITH_TRY(read_face(obj, err));
+        if (strcmp(word, "v") == 0)
+            PITH_TRY(read_position(obj, err));
+        else if (strcmp(word, "vt") == 0)
+            PITH_TRY(read_texcoord(obj, err));
+        else if (strcmp(word, "vn") == 0)
+            PITH_TRY(read_normal(obj, err));
+        else if (strcmp(word, "f") == 0)
+            PITH_TRY(read_face(obj, err));
     }
     return PITH_OK;
 }
 
-/* ---- vertices from corners -------------------------------------------------------------------------------------- */
+/* ---- vertices from corners --------------------------------------------------------------------------------------- */
 
 static pith_status check_corner(const obj_file *obj, const obj_triangle *triangle, const obj_corner *corner,
                                 pith_error *err)
 {
-    const struct { const char *what; uint32_t index; size_t count; } refers[3] = {
+    const struct {
+        const char *what;
+        uint32_t index;
+        size_t count;
+    } refers[3] = {
         { "vertex", corner->position, obj->vertex_count },
         { "texture coordinate", corner->texcoord, obj->texcoord_count },
         { "normal", corner->normal, obj->normal_count },
@@ -248,7 +263,7 @@ pith_status mesh_read_obj(mesh_builder *builder, const unsigned char *bytes, siz
     return status;
 }
 
-/* ---- writing ---------------------------------------------------------------------------------------------------- */
+/* ---- writing ----------------------------------------------------------------------------------------------------- */
 
 static void write_vector(mesh_bytes *bytes, const char *word, pith_vec3 vector)
 {

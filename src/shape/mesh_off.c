@@ -27,7 +27,8 @@ static pith_status read_header(off_file *off, pith_error *err)
         if (strcmp(letters, "OFF") != 0)
             return mesh_text_fail(text, err,
                                   "starts with \"%s\"; expected OFF, COFF, NOFF, CNOFF or STOFF (three dimensions, no "
-                                  "homogeneous coordinates)", keyword);
+                                  "homogeneous coordinates)",
+                                  keyword);
         mesh_text after = *text;
         char word[16];
         if (mesh_text_word(&after, word, sizeof word) && strcmp(word, "BINARY") == 0)

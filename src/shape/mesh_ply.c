@@ -7,7 +7,11 @@
 
 typedef enum ply_type { PLY_I8, PLY_U8, PLY_I16, PLY_U16, PLY_I32, PLY_U32, PLY_F32, PLY_F64, PLY_TYPES } ply_type;
 
-static const struct { const char *names[2]; uint32_t size; double largest; } types[PLY_TYPES] = {
+static const struct {
+    const char *names[2];
+    uint32_t size;
+    double largest;
+} types[PLY_TYPES] = {
     [PLY_I8] = { { "char", "int8" }, 1, 127 },           [PLY_U8] = { { "uchar", "uint8" }, 1, 255 },
     [PLY_I16] = { { "short", "int16" }, 2, 32767 },      [PLY_U16] = { { "ushort", "uint16" }, 2, 65535 },
     [PLY_I32] = { { "int", "int32" }, 4, 2147483647.0 }, [PLY_U32] = { { "uint", "uint32" }, 4, 4294967295.0 },
@@ -16,17 +20,51 @@ static const struct { const char *names[2]; uint32_t size; double largest; } typ
 
 /* What a property means to us; the vertex ones index an array of values, so their order matters. */
 typedef enum ply_role {
-    ROLE_X, ROLE_Y, ROLE_Z, ROLE_NX, ROLE_NY, ROLE_NZ, ROLE_RED, ROLE_GREEN, ROLE_BLUE, ROLE_ALPHA, ROLE_S, ROLE_T,
-    ROLE_CORNERS, ROLE_NONE
+    ROLE_X,
+    ROLE_Y,
+    ROLE_Z,
+    ROLE_NX,
+    ROLE_NY,
+    ROLE_NZ,
+    ROLE_RED,
+    ROLE_GREEN,
+    ROLE_BLUE,
+    ROLE_ALPHA,
+    ROLE_S,
+    ROLE_T,
+    ROLE_CORNERS,
+    ROLE_NONE
 } ply_role;
 
-static const struct { const char *name; ply_role role; } vertex_roles[] = {
-    { "x", ROLE_X }, { "y", ROLE_Y }, { "z", ROLE_Z }, { "nx", ROLE_NX }, { "ny", ROLE_NY }, { "nz", ROLE_NZ },
-    { "red", ROLE_RED }, { "green", ROLE_GREEN }, { "blue", ROLE_BLUE }, { "alpha", ROLE_ALPHA },
-    { "r", ROLE_RED }, { "g", ROLE_GREEN }, { "b", ROLE_BLUE }, { "a", ROLE_ALPHA },
-    { "diffuse_red", ROLE_RED }, { "diffuse_green", ROLE_GREEN }, { "diffuse_blue", ROLE_BLUE },
-    { "s", ROLE_S }, { "t", ROLE_T }, { "u", ROLE_S }, { "v", ROLE_T }, { "texture_u", ROLE_S },
-    { "texture_v", ROLE_T }, { "texture_s", ROLE_S }, { "texture_t", ROLE_T },
+static const struct {
+    const char *name;
+    ply_role role;
+} vertex_roles[] = {
+    { "x", ROLE_X },
+    { "y", ROLE_Y },
+    { "z", ROLE_Z },
+    { "nx", ROLE_NX },
+    { "ny", ROLE_NY },
+    { "nz", ROLE_NZ },
+    { "red", ROLE_RED },
+    { "green", ROLE_GREEN },
+    { "blue", ROLE_BLUE },
+    { "alpha", ROLE_ALPHA },
+    { "r", ROLE_RED },
+    { "g", ROLE_GREEN },
+    { "b", ROLE_BLUE },
+    { "a", ROLE_ALPHA },
+    { "diffuse_red", ROLE_RED },
+    { "diffuse_green", ROLE_GREEN },
+    { "diffuse_blue", ROLE_BLUE },
+    { "s", ROLE_S },
+    { "t", ROLE_T },
+    { "u", ROLE_S },
+    { "v", ROLE_T },
+    { "texture_u", ROLE_S },
+    { "texture_v", ROLE_T },
+    { "texture_s", ROLE_S },
+    { "texture_t", ROLE_T },
 };
 
 typedef struct ply_property {
@@ -54,7 +92,7 @@ typedef struct ply_file {
     size_t corner_room;
 } ply_file;
 
-/* ---- header ----------------------------------------------------------------------------------------------------- */
+/* ---- header ------------------------------------------------------------------------------------------------------ */
 
 static bool read_type(mesh_text *text, ply_type *type)
 {
@@ -121,8 +159,9 @@ static pith_status read_property(ply_file *ply, pith_error *err)
     if (property.list) *text = ahead;
     if ((property.list && (!read_type(text, &property.count_type) || property.count_type >= PLY_F32)) ||
         !read_type(text, &property.type) || !mesh_text_word(text, word, sizeof word))
-        return mesh_text_fail(text, err, "expected: property TYPE NAME, or property list INTEGER_TYPE TYPE NAME, with "
-                                         "types char uchar short ushort int uint float double");
+        return mesh_text_fail(text, err,
+                              "expected: property TYPE NAME, or property list INTEGER_TYPE TYPE NAME, with "
+                              "types char uchar short ushort int uint float double");
     property.role = role_of(element, word, &property);
     if (property.role != ROLE_NONE) {
         if (element->has[property.role])
@@ -154,8 +193,10 @@ static pith_status read_header(ply_file *ply, pith_error *err)
         } else if (strcmp(word, "property") == 0) {
             PITH_TRY(read_property(ply, err));
         } else {
-            return mesh_text_fail(text, err, "\"%s\" is no header word; expected comment, format, element, property or "
-                                             "end_header", word);
+            return mesh_text_fail(text, err,
+                                  "\"%s\" is no header word; expected comment, format, element, property or "
+                                  "end_header",
+                                  word);
         }
     }
     if (!format) return mesh_text_fail(text, err, "the header has no format line");
@@ -190,24 +231,41 @@ static pith_status check_header(const ply_file *ply, pith_error *err)
     return PITH_OK;
 }
 
-/* ---- body ------------------------------------------------------------------------------------------------------- */
+/* ---- body -------------------------------------------------------------------------------------------------------- */
 
 static double decode(ply_type type, const unsigned char *bytes, bool swapped)
 {
     unsigned char b[8];
     const uint32_t size = types[type].size;
     for (uint32_t k = 0; k < size; ++k) b[k] = bytes[swapped ? size - 1 - k : k];
-    union { int8_t i8; uint8_t u8; int16_t i16; uint16_t u16; int32_t i32; uint32_t u32; float f32; double f64; } value;
+    union {
+        int8_t i8;
+        uint8_t u8;
+        int16_t i16;
+        uint16_t u16;
+        int32_t i32;
+        uint32_t u32;
+        float f32;
+        double f64;
+    } value;
     memcpy(&value, b, size);
     switch (type) {
-    case PLY_I8: return value.i8;
-    case PLY_U8: return value.u8;
-    case PLY_I16: return value.i16;
-    case PLY_U16: return value.u16;
-    case PLY_I32: return value.i32;
-    case PLY_U32: return value.u32;
-    case PLY_F32: return (double)value.f32;
-    default: return value.f64;
+    case PLY_I8:
+        return value.i8;
+    case PLY_U8:
+        return value.u8;
+    case PLY_I16:
+        return value.i16;
+    case PLY_U16:
+        return value.u16;
+    case PLY_I32:
+        return value.i32;
+    case PLY_U32:
+        return value.u32;
+    case PLY_F32:
+        return (double)value.f32;
+    default:
+        return value.f64;
     }
 }
 
@@ -227,8 +285,9 @@ static bool read_value(ply_file *ply, ply_type type, double *value)
 static pith_status value_missing(const ply_file *ply, const ply_element *element, uint64_t index, pith_error *err)
 {
     const unsigned long long i = index, n = element->count;
-    if (ply->binary) return pith_fail(err, PITH_BAD_FILE, "%s: the file ends inside %s %llu of %llu", ply->text.name,
-                                      element->name, i, n);
+    if (ply->binary)
+        return pith_fail(err, PITH_BAD_FILE, "%s: the file ends inside %s %llu of %llu", ply->text.name, element->name,
+                         i, n);
     return mesh_text_fail(&ply->text, err, "expected a number of %s %llu of %llu", element->name, i, n);
 }
 
@@ -295,12 +354,15 @@ static pith_status read_body(ply_file *ply, mesh_builder *builder, pith_error *e
             size_t corners = 0;
             for (uint32_t p = 0; p < element->property_count; ++p) {
                 const ply_property *property = &element->properties[p];
-                if (property->list) PITH_TRY(read_list(ply, element, property, i, &corners, err));
+                if (property->list)
+                    PITH_TRY(read_list(ply, element, property, i, &corners, err));
                 else if (!read_value(ply, property->type, &values[property->role]))
                     return value_missing(ply, element, i, err);
             }
-            if (vertices) PITH_TRY(add_vertex(ply, element, i, values, builder, err));
-            else PITH_TRY(mesh_builder_polygon(builder, ply->corners, corners, err));
+            if (vertices)
+                PITH_TRY(add_vertex(ply, element, i, values, builder, err));
+            else
+                PITH_TRY(mesh_builder_polygon(builder, ply->corners, corners, err));
         }
     }
     return PITH_OK;
@@ -319,7 +381,7 @@ pith_status mesh_read_ply(mesh_builder *builder, const unsigned char *bytes, siz
     return status;
 }
 
-/* ---- writing ---------------------------------------------------------------------------------------------------- */
+/* ---- writing ----------------------------------------------------------------------------------------------------- */
 
 static void write_header(const pith_mesh_view *view, mesh_bytes *bytes)
 {

@@ -7,7 +7,9 @@
 
 #define HALF_ULP 0x1p-53
 
-typedef struct two { double head, tail; } two; /* head + tail exactly, |tail| at most half an ulp of head */
+typedef struct two {
+    double head, tail;
+} two; /* head + tail exactly, |tail| at most half an ulp of head */
 
 static two two_sum(double a, double b)
 {
@@ -48,10 +50,7 @@ static int expansion_add_scaled(double *parts, int n, const double *e, int count
 }
 
 /* The largest part comes last, and outweighs the others together. */
-static int expansion_sign(const double *parts, int n)
-{
-    return n == 0 ? 0 : parts[n - 1] > 0.0 ? 1 : -1;
-}
+static int expansion_sign(const double *parts, int n) { return n == 0 ? 0 : parts[n - 1] > 0.0 ? 1 : -1; }
 
 static double expansion_estimate(const double *parts, int n)
 {
@@ -86,7 +85,9 @@ int mesh_orient2d(pith_vec3 a, pith_vec3 b, pith_vec3 c, int axis)
 }
 
 /* Rows of the determinant: b - a, c - a, d - a, each coordinate with its rounding error. */
-typedef struct orient_rows { two x[3], y[3], z[3]; } orient_rows;
+typedef struct orient_rows {
+    two x[3], y[3], z[3];
+} orient_rows;
 
 /* With i, j, k the rows in cyclic order: sum over i of z_i * (x_j * y_k - y_j * x_k). */
 static int orient_exact(const orient_rows *r)

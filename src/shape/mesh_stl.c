@@ -33,8 +33,10 @@ enum { HEADER = 84, FACET = 50 }; /* 80 free bytes and a count; normal, three co
 static pith_status read_binary(mesh_builder *builder, const unsigned char *bytes, size_t size, pith_error *err)
 {
     if (size < HEADER)
-        return pith_fail(err, PITH_BAD_FILE, "%s: %zu bytes are too few for an STL file (binary: 84 and more; text: "
-                                             "starts with \"solid\" and has facets)", builder->name, size);
+        return pith_fail(err, PITH_BAD_FILE,
+                         "%s: %zu bytes are too few for an STL file (binary: 84 and more; text: "
+                         "starts with \"solid\" and has facets)",
+                         builder->name, size);
     uint32_t count;
     memcpy(&count, bytes + 80, sizeof count);
     count = le32toh(count);

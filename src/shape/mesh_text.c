@@ -79,11 +79,11 @@ static bool slow_double(const unsigned char *from, const unsigned char *to, doub
     return stop == copy + length;
 }
 
-/* "nan", "inf" and their kin: files contain them, and the caller refuses them with a better sentence than "no number". */
+/* "nan", "inf" and their kin: files contain them, and the caller refuses them in better words than "no number". */
 static bool named_double(mesh_text *text, double *value)
 {
     const unsigned char *stop = text->at;
-    while (stop < text->end && *stop > ' ' && *stop != '#') ++stop;
+    while (stop<text->end && * stop> ' ' && *stop != '#') ++stop;
     const size_t length = (size_t)(stop - text->at);
     if (length < 3 || length > 10 || !slow_double(text->at, stop, value) || isfinite(*value)) return false;
     text->at = stop;

@@ -7,7 +7,7 @@
 
 static double coordinate(pith_vec3 p, int axis) { return axis == 0 ? p.x : axis == 1 ? p.y : p.z; }
 
-/* Orders triangles by centre along an axis; the index breaks ties, so the order is total and the tree always the same. */
+/* Orders triangles by centre along an axis; the index breaks ties, so the order is total and the tree the same. */
 static bool before(const pith_vec3 *centres, int axis, uint32_t a, uint32_t b)
 {
     const double ca = coordinate(centres[a], axis), cb = coordinate(centres[b], axis);
@@ -32,8 +32,10 @@ static void select_middle(uint32_t *order, uint32_t count, uint32_t middle, cons
         }
         /* All keys differ, so i == j and the pivot sits there. */
         if (i == middle) return;
-        if (i < middle) low = i + 1;
-        else high = i;
+        if (i < middle)
+            low = i + 1;
+        else
+            high = i;
     }
 }
 
@@ -41,8 +43,7 @@ static void fit_box(mesh_tree_node *node, const pith_mesh_view *view, const uint
 {
     pith_box box = pith_box_empty();
     for (uint32_t i = 0; i < node->count; ++i)
-        for (int k = 0; k < 3; ++k)
-            pith_box_add(&box, view->positions[view->triangles[order[node->first + i]][k]]);
+        for (int k = 0; k < 3; ++k) pith_box_add(&box, view->positions[view->triangles[order[node->first + i]][k]]);
     for (int a = 0; a < 3; ++a) {
         node->low[a] = coordinate(box.low, a);
         node->high[a] = coordinate(box.high, a);

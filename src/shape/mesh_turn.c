@@ -4,12 +4,12 @@
 #include <string.h>
 
 typedef struct patch_facts {
-    double volume;       /* enclosed, once its triangles agree; about the patch's own centre when it is open */
+    double volume; /* enclosed, once its triangles agree; about the patch's own centre when it is open */
     double area;
-    pith_vec3 centre;    /* area-weighted */
-    uint32_t sample;     /* one of its triangles */
+    pith_vec3 centre; /* area-weighted */
+    uint32_t sample;  /* one of its triangles */
     uint32_t triangles, flipped;
-    bool turn;           /* the whole patch must turn once more */
+    bool turn; /* the whole patch must turn once more */
 } patch_facts;
 
 static double sign_of_flip(const mesh_edges *edges, uint32_t t) { return edges->flip[t] ? -1.0 : 1.0; }
@@ -33,8 +33,8 @@ static void measure_patches(const pith_mesh_view *view, const mesh_edges *edges,
     for (uint32_t t = 0; t < view->triangle_count; ++t) {
         patch_facts *fact = &facts[edges->patch[t]];
         const uint32_t *c = view->triangles[t];
-        fact->volume += sign_of_flip(edges, t) / 6.0 * pith_volume6(fact->centre, view->positions[c[0]],
-                                                                     view->positions[c[1]], view->positions[c[2]]);
+        fact->volume += sign_of_flip(edges, t) / 6.0 *
+                        pith_volume6(fact->centre, view->positions[c[0]], view->positions[c[1]], view->positions[c[2]]);
     }
 }
 
@@ -68,8 +68,7 @@ static void decide(const pith_mesh_view *view, const mesh_edges *edges, const me
     for (uint32_t p = 0; p < edges->patch_count; ++p) closed += edges->patch_closed[p];
     for (uint32_t p = 0; p < edges->patch_count; ++p) {
         if (edges->patch_closed[p]) {
-            const uint32_t depth =
-                closed > 1 ? nesting_depth(view, tree, label, p, facts[p].sample, stab, votes) : 0;
+            const uint32_t depth = closed > 1 ? nesting_depth(view, tree, label, p, facts[p].sample, stab, votes) : 0;
             facts[p].turn = (facts[p].volume < 0.0) != (depth % 2 == 1);
         } else {
             /* A bowl or a holed ball bulges by a good part of the volume a sphere of its area has; a sheet does not,
@@ -87,7 +86,8 @@ static bool make_stab(mesh_stab *stab, uint32_t labels)
     return stab->count && stab->touched;
 }
 
-static pith_status decide_turns(const pith_mesh_view *view, const mesh_edges *edges, patch_facts *facts, pith_error *err)
+static pith_status decide_turns(const pith_mesh_view *view, const mesh_edges *edges, patch_facts *facts,
+                                pith_error *err)
 {
     mesh_tree tree = { 0 };
     mesh_stab stab = { 0 }, votes = { 0 };

@@ -18,16 +18,16 @@
 struct pith_tracer {
     RTCDevice device;
     RTCScene scene;
-    pith_vec3 *positions;     /* the mesh, in doubles */
+    pith_vec3 *positions; /* the mesh, in doubles */
     uint32_t (*triangles)[3];
     uint32_t vertex_count, triangle_count;
     pith_vec3 centre;
-    double scale;             /* scene = (model - centre) * scale */
+    double scale; /* scene = (model - centre) * scale */
 };
 
 /* Scene lengths. The scene's vertices lie in the unit ball; single precision there has a spacing of 6e-8 at most. */
-#define SCENE_BALL 1.001      /* a ball that holds all of the scene */
-#define SCENE_SLACK 4e-6      /* more than what rounding to float can move anything by */
+#define SCENE_BALL  1.001 /* a ball that holds all of the scene */
+#define SCENE_SLACK 4e-6  /* more than what rounding to float can move anything by */
 
 /* ---- making ------------------------------------------------------------------------------------------------------ */
 
@@ -136,15 +136,15 @@ void pith_tracer_destroy(pith_tracer *tracer)
     pith_free(tracer);
 }
 
-/* ---- rays --------------------------------------------------------------------------------------------------------- */
+/* ---- rays -------------------------------------------------------------------------------------------------------- */
 
 /* The ray that a filter sees: the caller's, beside Embree's float version of it. */
 typedef struct ray_query {
     struct RTCIntersectContext context; /* first: Embree hands back a pointer to it */
     const pith_tracer *tracer;
-    pith_vec3 origin, direction;        /* model units */
-    double nearest, farthest;           /* in units of direction */
-    uint32_t crossings;                 /* triangles crossed, for the inside test */
+    pith_vec3 origin, direction; /* model units */
+    double nearest, farthest;    /* in units of direction */
+    uint32_t crossings;          /* triangles crossed, for the inside test */
 } ray_query;
 
 static void corners_of(const pith_tracer *tracer, uint32_t t, pith_vec3 *a, pith_vec3 *b, pith_vec3 *c)
@@ -216,9 +216,15 @@ static bool clip_to_scene(const ray_query *query, struct RTCRay *ray)
     if (!(first <= last)) return false;
 
     const pith_vec3 start = pith_madd(closest, d, first - middle);
-    *ray = (struct RTCRay){ .org_x = (float)start.x, .org_y = (float)start.y, .org_z = (float)start.z,
-                            .dir_x = (float)d.x, .dir_y = (float)d.y, .dir_z = (float)d.z,
-                            .tnear = 0.0f, .tfar = (float)(last - first) + (float)SCENE_SLACK, .mask = UINT32_MAX };
+    *ray = (struct RTCRay){ .org_x = (float)start.x,
+                            .org_y = (float)start.y,
+                            .org_z = (float)start.z,
+                            .dir_x = (float)d.x,
+                            .dir_y = (float)d.y,
+                            .dir_z = (float)d.z,
+                            .tnear = 0.0f,
+                            .tfar = (float)(last - first) + (float)SCENE_SLACK,
+                            .mask = UINT32_MAX };
     return true;
 }
 
@@ -276,7 +282,7 @@ void pith_tracer_occluded(const pith_tracer *tracer, const pith_ray *rays, size_
     for (size_t i = 0; i < count; ++i) occluded[i] = is_occluded(tracer, &rays[i]);
 }
 
-/* ---- inside -------------------------------------------------------------------------------------------------------- */
+/* ---- inside ------------------------------------------------------------------------------------------------------ */
 
 static bool odd_crossings(const pith_tracer *tracer, pith_vec3 point, pith_vec3 direction)
 {
@@ -310,7 +316,7 @@ void pith_tracer_inside(const pith_tracer *tracer, const pith_vec3 *points, size
     for (size_t i = 0; i < count; ++i) inside[i] = is_inside(tracer, points[i]);
 }
 
-/* ---- nearest ------------------------------------------------------------------------------------------------------- */
+/* ---- nearest ----------------------------------------------------------------------------------------------------- */
 
 /* Nearest point of a triangle (Ericson, "Real-Time Collision Detection", 2005, section 5.1.5: by Voronoi regions). */
 static pith_vec3 nearest_on_triangle(pith_vec3 p, pith_vec3 a, pith_vec3 b, pith_vec3 c)
@@ -336,8 +342,8 @@ static pith_vec3 nearest_on_triangle(pith_vec3 p, pith_vec3 a, pith_vec3 b, pith
 
 typedef struct nearest_query {
     const pith_tracer *tracer;
-    pith_vec3 point;       /* model units */
-    double reach;          /* 1 + distance of the point from the scene's centre, scene units: what floats round by */
+    pith_vec3 point; /* model units */
+    double reach;    /* 1 + distance of the point from the scene's centre, scene units: what floats round by */
     pith_nearest best;
 } nearest_query;
 

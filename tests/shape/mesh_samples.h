@@ -7,7 +7,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-typedef struct mesh_sample { const char *format; unsigned char *bytes; size_t size; } mesh_sample;
+typedef struct mesh_sample {
+    const char *format;
+    unsigned char *bytes;
+    size_t size;
+} mesh_sample;
 
 static const double sample_corners[4][3] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } };
 static const uint32_t sample_faces[4][3] = { { 0, 2, 1 }, { 0, 1, 3 }, { 0, 3, 2 }, { 1, 2, 3 } };
@@ -43,33 +47,38 @@ static inline void sample_number(mesh_sample *sample, const void *value, size_t 
 
 static inline mesh_sample sample_obj(void)
 {
-    return sample_text("obj", "# a comment\nmtllib x.mtl\nv 0 0 0\nv 1.0 0 0\r\nv 0 1e0 0\nv 0 0 1 1\nvt 0 0\nvt 1 0\nvt 0 1\n"
-                              "vn 0 0 -1\nvn 0 -1 0\no body\ns off\nf 1/1/1 3/3/1 2/2/1\nf 1//2 2//2 4//2\nf -4 -1 \\\n"
-                              " -2\nf 2/1 3/2 4/3\n");
+    return sample_text("obj",
+                       "# a comment\nmtllib x.mtl\nv 0 0 0\nv 1.0 0 0\r\nv 0 1e0 0\nv 0 0 1 1\nvt 0 0\nvt 1 0\nvt 0 1\n"
+                       "vn 0 0 -1\nvn 0 -1 0\no body\ns off\nf 1/1/1 3/3/1 2/2/1\nf 1//2 2//2 4//2\nf -4 -1 \\\n"
+                       " -2\nf 2/1 3/2 4/3\n");
 }
 
 static inline mesh_sample sample_off(void)
 {
-    return sample_text("off", "OFF # the keyword\n\n4 4 6\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1 255 0 0\n3 0 1 3\n3 0 3 2\n"
-                              "3 1 2 3\n");
+    return sample_text("off",
+                       "OFF # the keyword\n\n4 4 6\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1 255 0 0\n3 0 1 3\n3 0 3 2\n"
+                       "3 1 2 3\n");
 }
 
 static inline mesh_sample sample_ply_ascii(void)
 {
-    return sample_text("ply", "ply\nformat ascii 1.0\ncomment x\nelement vertex 4\nproperty uchar red\nproperty float z\n"
-                              "property double y\nproperty list uchar int extra\nproperty float x\nproperty uchar green\n"
-                              "property uchar blue\nelement other 2\nproperty int a\nelement face 4\nproperty uchar flag\n"
-                              "property list uchar int vertex_indices\nend_header\n255 0 0 0 0 0 0\n188 0 0 2 7 8 1 0 0\n"
-                              "0 0 1 0 0 255 0\n0 1 0 0 0 0 255\n5\n6\n1 3 0 2 1\n1 3 0 1 3\n1 3 0 3 2\n1 3 1 2 3\n");
+    return sample_text("ply",
+                       "ply\nformat ascii 1.0\ncomment x\nelement vertex 4\nproperty uchar red\nproperty float z\n"
+                       "property double y\nproperty list uchar int extra\nproperty float x\nproperty uchar green\n"
+                       "property uchar blue\nelement other 2\nproperty int a\nelement face 4\nproperty uchar flag\n"
+                       "property list uchar int vertex_indices\nend_header\n255 0 0 0 0 0 0\n188 0 0 2 7 8 1 0 0\n"
+                       "0 0 1 0 0 255 0\n0 1 0 0 0 0 255\n5\n6\n1 3 0 2 1\n1 3 0 1 3\n1 3 0 3 2\n1 3 1 2 3\n");
 }
 
 static inline mesh_sample sample_ply_binary(int big)
 {
     char header[400];
-    snprintf(header, sizeof header,
-             "ply\nformat binary_%s_endian 1.0\nelement vertex 4\nproperty float x\nproperty short y\nproperty double z\n"
-             "property float nx\nproperty float ny\nproperty float nz\nproperty float u\nproperty float v\n"
-             "element face 4\nproperty list ushort uint vertex_index\nend_header\n", big ? "big" : "little");
+    snprintf(
+        header, sizeof header,
+        "ply\nformat binary_%s_endian 1.0\nelement vertex 4\nproperty float x\nproperty short y\nproperty double z\n"
+        "property float nx\nproperty float ny\nproperty float nz\nproperty float u\nproperty float v\n"
+        "element face 4\nproperty list ushort uint vertex_index\nend_header\n",
+        big ? "big" : "little");
     mesh_sample sample = sample_text("ply", header);
     for (int v = 0; v < 4; ++v) {
         const float x = (float)sample_corners[v][0], normal[3] = { 0, 0, 2 }, uv[2] = { 0.25f * (float)v, 0.5f };
@@ -97,7 +106,8 @@ static inline mesh_sample sample_stl_ascii(void)
         const double *c = sample_corners[sample_faces[f][2]];
         snprintf(facet, sizeof facet,
                  "facet normal 0 0 0\n outer loop\n  vertex %g %g %g\n  vertex %g %g %g\n  vertex %g %g %g\n endloop\n"
-                 "endfacet\n", a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2]);
+                 "endfacet\n",
+                 a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2]);
         sample_add(&sample, facet, strlen(facet));
     }
     sample_add(&sample, "endsolid\n", 9);
@@ -129,8 +139,8 @@ static inline mesh_sample sample_glb_of(const char *json, const mesh_sample *bin
 {
     mesh_sample sample = sample_text("glb", "glTF");
     const size_t length = strlen(json), padding = (4 - length % 4) % 4;
-    const uint32_t head[4] = { 2, (uint32_t)(12 + 8 + length + padding + 8 + binary->size), (uint32_t)(length + padding),
-                               0x4E4F534A };
+    const uint32_t head[4] = { 2, (uint32_t)(12 + 8 + length + padding + 8 + binary->size),
+                               (uint32_t)(length + padding), 0x4E4F534A };
     for (int k = 0; k < 4; ++k) sample_number(&sample, &head[k], 4, 0);
     sample_add(&sample, json, length);
     sample_add(&sample, "   ", padding);
@@ -161,11 +171,11 @@ static inline mesh_sample sample_glb_binary(void)
     return binary;
 }
 
-#define SAMPLE_GLB_ACCESSORS                                                                                            \
-    "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":4,\"type\":\"VEC3\"},"                           \
-    "{\"bufferView\":1,\"componentType\":5121,\"normalized\":true,\"count\":4,\"type\":\"VEC4\"},"                      \
-    "{\"bufferView\":2,\"componentType\":5121,\"count\":12,\"type\":\"SCALAR\"}],"                                      \
-    "\"bufferViews\":[{\"buffer\":0,\"byteLength\":48},{\"buffer\":0,\"byteOffset\":48,\"byteLength\":16},"             \
+#define SAMPLE_GLB_ACCESSORS                                                                                           \
+    "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":4,\"type\":\"VEC3\"},"                          \
+    "{\"bufferView\":1,\"componentType\":5121,\"normalized\":true,\"count\":4,\"type\":\"VEC4\"},"                     \
+    "{\"bufferView\":2,\"componentType\":5121,\"count\":12,\"type\":\"SCALAR\"}],"                                     \
+    "\"bufferViews\":[{\"buffer\":0,\"byteLength\":48},{\"buffer\":0,\"byteOffset\":48,\"byteLength\":16},"            \
     "{\"buffer\":0,\"byteOffset\":64,\"byteLength\":12}],\"buffers\":[{\"byteLength\":76}]"
 
 static inline mesh_sample sample_glb(const char *nodes)
@@ -173,7 +183,8 @@ static inline mesh_sample sample_glb(const char *nodes)
     char json[2000];
     snprintf(json, sizeof json,
              "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":%s,\"meshes\":"
-             "[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"COLOR_0\":1},\"indices\":2}]}]," SAMPLE_GLB_ACCESSORS "}",
+             "[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"COLOR_0\":1},\"indices\":2}]}]," SAMPLE_GLB_ACCESSORS
+             "}",
              nodes);
     mesh_sample binary = sample_glb_binary(), sample = sample_glb_of(json, &binary);
     free(binary.bytes);

@@ -4,7 +4,11 @@
 
 static pith_error err;
 
-typedef struct raw { pith_vec3 *positions; uint32_t (*triangles)[3]; uint32_t vertices, count; } raw;
+typedef struct raw {
+    pith_vec3 *positions;
+    uint32_t (*triangles)[3];
+    uint32_t vertices, count;
+} raw;
 
 static raw raw_make(uint32_t vertices, uint32_t triangles)
 {
@@ -19,8 +23,10 @@ static void raw_free(raw *r)
 
 static pith_mesh *raw_mesh(const raw *r)
 {
-    const pith_mesh_view view = { .positions = r->positions, .triangles = (const uint32_t(*)[3])r->triangles,
-                                  .vertex_count = r->vertices, .triangle_count = r->count };
+    const pith_mesh_view view = { .positions = r->positions,
+                                  .triangles = (const uint32_t(*)[3])r->triangles,
+                                  .vertex_count = r->vertices,
+                                  .triangle_count = r->count };
     pith_mesh *mesh = NULL;
     CHECK_OK(pith_mesh_create(&view, &mesh, &err));
     return mesh;
@@ -34,8 +40,10 @@ static pith_mesh_report clean_raw(const raw *r, pith_mesh **kept)
     memset(&report, 0xa5, sizeof report);
     CHECK_OK(pith_mesh_clean(mesh, &clean, &report, &err));
     pith_mesh_destroy(mesh);
-    if (kept) *kept = clean;
-    else pith_mesh_destroy(clean);
+    if (kept)
+        *kept = clean;
+    else
+        pith_mesh_destroy(clean);
     return report;
 }
 
@@ -167,9 +175,11 @@ static void test_collapsed_and_duplicate_triangles(void **state)
     raw ball = sphere(2, 1.0, pith_v3(0, 0, 0)), dirty = raw_make(ball.vertices + 2, ball.count + 5);
     memcpy(dirty.positions, ball.positions, ball.vertices * sizeof *ball.positions);
     memcpy(dirty.triangles, ball.triangles, ball.count * sizeof *ball.triangles);
-    dirty.positions[ball.vertices] = ball.positions[7];             /* welded */
-    dirty.positions[ball.vertices + 1] = pith_v3(0.1, 0.1, 0.1);    /* unused */
-    const uint32_t extra[5][3] = { { 1, 1, 2 }, { 7, ball.vertices, 3 }, { 4, 4, 4 },
+    dirty.positions[ball.vertices] = ball.positions[7];          /* welded */
+    dirty.positions[ball.vertices + 1] = pith_v3(0.1, 0.1, 0.1); /* unused */
+    const uint32_t extra[5][3] = { { 1, 1, 2 },
+                                   { 7, ball.vertices, 3 },
+                                   { 4, 4, 4 },
                                    { ball.triangles[9][1], ball.triangles[9][2], ball.triangles[9][0] },
                                    { ball.triangles[8][1], ball.triangles[8][0], ball.triangles[8][2] } };
     memcpy(dirty.triangles[ball.count], extra, sizeof extra);
@@ -185,8 +195,8 @@ static void test_collapsed_and_duplicate_triangles(void **state)
     raw_free(&dirty);
 }
 
-/* A box whose top has a vertex on an edge: the flat triangle that closes the T-junction has no area but must not leave a
-   hole. Corners 0..7, vertex 8 in the middle of the edge 4-5; the side in front uses the whole edge. */
+/* A box whose top has a vertex on an edge: the flat triangle that closes the T-junction has no area but must not leave
+   a hole. Corners 0..7, vertex 8 in the middle of the edge 4-5; the side in front uses the whole edge. */
 static void test_flat_triangle_leaves_no_hole(void **state)
 {
     (void)state;
@@ -209,7 +219,8 @@ static void test_flat_triangle_leaves_no_hole(void **state)
         for (uint32_t t = 0; t < view.triangle_count; ++t) {
             const uint32_t *c = view.triangles[t];
             const pith_vec3 a = view.positions[c[0]];
-            CHECK_AT_LEAST(pith_length(pith_cross(pith_sub(view.positions[c[1]], a), pith_sub(view.positions[c[2]], a))), 0.4);
+            CHECK_AT_LEAST(
+                pith_length(pith_cross(pith_sub(view.positions[c[1]], a), pith_sub(view.positions[c[2]], a))), 0.4);
         }
         pith_mesh_destroy(clean);
         raw_free(&box);
@@ -270,8 +281,10 @@ static void test_four_triangles_on_an_edge(void **state)
 {
     (void)state;
     raw pair = raw_make(16, 24);
-    static const uint32_t faces[12][3] = { { 0, 2, 1 }, { 1, 2, 3 }, { 4, 5, 6 }, { 5, 7, 6 }, { 0, 1, 4 }, { 1, 5, 4 },
-                                           { 2, 6, 3 }, { 3, 6, 7 }, { 0, 4, 2 }, { 2, 4, 6 }, { 1, 3, 5 }, { 3, 7, 5 } };
+    static const uint32_t faces[12][3] = {
+        { 0, 2, 1 }, { 1, 2, 3 }, { 4, 5, 6 }, { 5, 7, 6 }, { 0, 1, 4 }, { 1, 5, 4 },
+        { 2, 6, 3 }, { 3, 6, 7 }, { 0, 4, 2 }, { 2, 4, 6 }, { 1, 3, 5 }, { 3, 7, 5 }
+    };
     for (uint32_t box = 0; box < 2; ++box) {
         for (int v = 0; v < 8; ++v)
             pair.positions[8 * box + (uint32_t)v] = pith_v3((v & 1) + box, (v >> 1 & 1) + box, v >> 2);
@@ -336,10 +349,13 @@ static void test_nothing_left_and_no_memory(void **state)
 static void test_real_meshes(void **state)
 {
     (void)state;
-    static const struct { const char *file; uint32_t vertices, triangles, components, boundary, loops, genus; } facts[] = {
-        { "bunny.obj", 1839, 3674, 1, 0, 0, 0 },   { "hand.off", 1197, 2390, 1, 0, 0, 0 },
-        { "femur.off", 3897, 7798, 1, 0, 0, 2 },   { "patella.obj", 1623, 3242, 1, 0, 0, 0 },
-        { "orange.obj", 4098, 8192, 1, 0, 0, 0 },  { "pear.obj", 867, 1704, 2, 24, 1, 0 },
+    static const struct {
+        const char *file;
+        uint32_t vertices, triangles, components, boundary, loops, genus;
+    } facts[] = {
+        { "bunny.obj", 1839, 3674, 1, 0, 0, 0 },         { "hand.off", 1197, 2390, 1, 0, 0, 0 },
+        { "femur.off", 3897, 7798, 1, 0, 0, 2 },         { "patella.obj", 1623, 3242, 1, 0, 0, 0 },
+        { "orange.obj", 4098, 8192, 1, 0, 0, 0 },        { "pear.obj", 867, 1704, 2, 24, 1, 0 },
         { "dragon_open.off", 10000, 19994, 1, 6, 2, 0 },
     };
     for (size_t f = 0; f < sizeof facts / sizeof *facts; ++f) {

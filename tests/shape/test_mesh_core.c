@@ -9,7 +9,9 @@ static void test_create_copies_and_refuses(void **state)
     (void)state;
     pith_vec3 p[3] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 } };
     uint32_t t[1][3] = { { 0, 1, 2 } };
-    const pith_mesh_view view = { .positions = p, .triangles = (const uint32_t(*)[3])t, .vertex_count = 3, .triangle_count = 1 };
+    const pith_mesh_view view = {
+        .positions = p, .triangles = (const uint32_t(*)[3])t, .vertex_count = 3, .triangle_count = 1
+    };
     pith_mesh *mesh = NULL;
     CHECK_OK(pith_mesh_create(&view, &mesh, &err));
     p[0].x = 7.0;
@@ -172,8 +174,10 @@ static void test_vertex_normals(void **state)
 
     pith_vec3 corners[8], found[8];
     for (int v = 0; v < 8; ++v) corners[v] = pith_v3(v & 1, v >> 1 & 1, v >> 2);
-    static const uint32_t faces[12][3] = { { 0, 2, 1 }, { 1, 2, 3 }, { 4, 5, 6 }, { 5, 7, 6 }, { 0, 1, 4 }, { 1, 5, 4 },
-                                           { 2, 6, 3 }, { 3, 6, 7 }, { 0, 4, 2 }, { 2, 4, 6 }, { 1, 3, 5 }, { 3, 7, 5 } };
+    static const uint32_t faces[12][3] = {
+        { 0, 2, 1 }, { 1, 2, 3 }, { 4, 5, 6 }, { 5, 7, 6 }, { 0, 1, 4 }, { 1, 5, 4 },
+        { 2, 6, 3 }, { 3, 6, 7 }, { 0, 4, 2 }, { 2, 4, 6 }, { 1, 3, 5 }, { 3, 7, 5 }
+    };
     const pith_mesh_view cube = { .positions = corners, .triangles = faces, .vertex_count = 8, .triangle_count = 12 };
     pith_mesh_vertex_normals(&cube, found);
     for (int v = 0; v < 8; ++v) {
@@ -185,9 +189,12 @@ static void test_vertex_normals(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_create_copies_and_refuses),   cmocka_unit_test(test_icosahedron_has_its_closed_form),
-        cmocka_unit_test(test_sphere_converges),            cmocka_unit_test(test_ellipsoid_scales_the_sphere),
-        cmocka_unit_test(test_dents_bumps_and_corners),     cmocka_unit_test(test_fruit_options_are_checked),
+        cmocka_unit_test(test_create_copies_and_refuses),
+        cmocka_unit_test(test_icosahedron_has_its_closed_form),
+        cmocka_unit_test(test_sphere_converges),
+        cmocka_unit_test(test_ellipsoid_scales_the_sphere),
+        cmocka_unit_test(test_dents_bumps_and_corners),
+        cmocka_unit_test(test_fruit_options_are_checked),
         cmocka_unit_test(test_vertex_normals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -11,7 +11,9 @@ __extension__ typedef __int128 wide;
 
 static wide minor_of(int64_t a, int64_t b, int64_t c, int64_t d) { return (wide)a * d - (wide)b * c; }
 
-typedef struct ipoint { int64_t x, y, z; } ipoint;
+typedef struct ipoint {
+    int64_t x, y, z;
+} ipoint;
 
 static ipoint isub(ipoint a, ipoint b) { return (ipoint){ a.x - b.x, a.y - b.y, a.z - b.z }; }
 static pith_vec3 to_vec(ipoint p) { return pith_v3((double)p.x, (double)p.y, (double)p.z); }
@@ -19,8 +21,8 @@ static pith_vec3 to_vec(ipoint p) { return pith_v3((double)p.x, (double)p.y, (do
 static int iorient(ipoint a, ipoint b, ipoint c, ipoint d)
 {
     const ipoint u = isub(b, a), v = isub(c, a), w = isub(d, a);
-    const wide volume = minor_of(u.y, u.z, v.y, v.z) * w.x + minor_of(u.z, u.x, v.z, v.x) * w.y +
-                        minor_of(u.x, u.y, v.x, v.y) * w.z;
+    const wide volume =
+        minor_of(u.y, u.z, v.y, v.z) * w.x + minor_of(u.z, u.x, v.z, v.x) * w.y + minor_of(u.x, u.y, v.x, v.y) * w.z;
     return volume > 0 ? 1 : volume < 0 ? -1 : 0;
 }
 
@@ -81,8 +83,10 @@ static void test_orient3d_is_exact_with_tails(void **state)
     /* All three coordinates of the first point 2^56 away: every difference rounds to nearly the same number, and the
        whole answer is in the tails. The reference turns the corners (an even permutation) to start from a near one. */
     for (int i = 0; i < 50000; ++i) {
-        const ipoint step = random_point(&rng, 6), near[3] = { random_point(&rng, 6), random_point(&rng, 6), random_point(&rng, 6) };
-        const ipoint first = { (INT64_C(1) << 56) + 16 * step.x, (INT64_C(1) << 56) + 16 * step.y, (INT64_C(1) << 56) + 16 * step.z };
+        const ipoint step = random_point(&rng, 6),
+                     near[3] = { random_point(&rng, 6), random_point(&rng, 6), random_point(&rng, 6) };
+        const ipoint first = { (INT64_C(1) << 56) + 16 * step.x, (INT64_C(1) << 56) + 16 * step.y,
+                               (INT64_C(1) << 56) + 16 * step.z };
         const int expected = iorient(near[0], near[1], first, near[2]);
         const int sign = mesh_orient3d(to_vec(first), to_vec(near[0]), to_vec(near[1]), to_vec(near[2]));
         if (sign != expected) fail_msg("round %d, far corner: sign %d, expected %d", i, sign, expected);
@@ -99,17 +103,22 @@ static void test_orient2d_is_exact(void **state)
         const ipoint b = { a.x + s * u.x, a.y + s * u.y, a.z + s * u.z };
         const ipoint c = { a.x + t * u.x + (int64_t)pith_rng_below(&rng, 2), a.y + t * u.y, a.z + t * u.z };
         const ipoint e = isub(b, a), f = isub(c, a);
-        const wide expected[3] = { minor_of(e.y, e.z, f.y, f.z), minor_of(e.z, e.x, f.z, f.x), minor_of(e.x, e.y, f.x, f.y) };
+        const wide expected[3] = { minor_of(e.y, e.z, f.y, f.z), minor_of(e.z, e.x, f.z, f.x),
+                                   minor_of(e.x, e.y, f.x, f.y) };
         for (int axis = 0; axis < 3; ++axis) {
             const int sign = mesh_orient2d(to_vec(a), to_vec(b), to_vec(c), axis);
-            if (sign != (expected[axis] > 0) - (expected[axis] < 0)) fail_msg("round %d, axis %d: sign %d", i, axis, sign);
+            if (sign != (expected[axis] > 0) - (expected[axis] < 0))
+                fail_msg("round %d, axis %d: sign %d", i, axis, sign);
         }
     }
 }
 
-static uint32_t count_pairs(const pith_vec3 *positions, uint32_t vertices, const uint32_t (*triangles)[3], uint32_t count)
+static uint32_t count_pairs(const pith_vec3 *positions, uint32_t vertices, const uint32_t (*triangles)[3],
+                            uint32_t count)
 {
-    const pith_mesh_view view = { .positions = positions, .triangles = triangles, .vertex_count = vertices, .triangle_count = count };
+    const pith_mesh_view view = {
+        .positions = positions, .triangles = triangles, .vertex_count = vertices, .triangle_count = count
+    };
     mesh_tree tree;
     uint32_t found = 0;
     pith_vec3 at;
@@ -123,7 +132,11 @@ static uint32_t count_pairs(const pith_vec3 *positions, uint32_t vertices, const
 static void test_placed_pairs(void **state)
 {
     (void)state;
-    static const struct { const char *what; pith_vec3 other[3]; uint32_t meets; } cases[] = {
+    static const struct {
+        const char *what;
+        pith_vec3 other[3];
+        uint32_t meets;
+    } cases[] = {
         { "through the middle", { { 1, 1, -1 }, { 1, 1, 1 }, { 2, 1, 1 } }, 1 },
         { "above", { { 1, 1, 1 }, { 1, 2, 1 }, { 2, 1, 2 } }, 0 },
         { "beside, through the plane", { { 3, 3, -1 }, { 3, 3, 1 }, { 4, 3, 1 } }, 0 },
@@ -146,7 +159,8 @@ static void test_placed_pairs(void **state)
             pith_vec3 p[6] = { { 0, 0, 0 }, { 4, 0, 0 }, { 0, 4, 0 } };
             for (int k = 0; k < 3; ++k) p[3 + k] = cases[c].other[turn < 3 ? (k + turn) % 3 : (5 - k + turn) % 3];
             const uint32_t found = count_pairs(p, 6, triangles, 2);
-            if (found != cases[c].meets) fail_msg("%s, turn %d: %u, expected %u", cases[c].what, turn, found, cases[c].meets);
+            if (found != cases[c].meets)
+                fail_msg("%s, turn %d: %u, expected %u", cases[c].what, turn, found, cases[c].meets);
         }
 }
 
@@ -154,28 +168,48 @@ static void test_placed_pairs(void **state)
 static void test_neighbours(void **state)
 {
     (void)state;
-    static const struct { const char *what; pith_vec3 p[5]; uint32_t other[3], meets; } cases[] = {
+    static const struct {
+        const char *what;
+        pith_vec3 p[5];
+        uint32_t other[3], meets;
+    } cases[] = {
         { "edge, flat", { { 0, 0, 0 }, { 4, 0, 0 }, { 0, 4, 0 }, { 4, 4, 0 } }, { 2, 1, 3 }, 0 },
         { "edge, folded flat", { { 0, 0, 0 }, { 4, 0, 0 }, { 0, 4, 0 }, { 1, 1, 0 } }, { 0, 1, 3 }, 1 },
         { "edge, almost folded", { { 0, 0, 0 }, { 4, 0, 0 }, { 0, 4, 0 }, { 1, 1, 1e-9 } }, { 0, 1, 3 }, 0 },
         { "vertex, apart", { { 0, 0, 0 }, { 4, 0, 0 }, { 0, 4, 0 }, { -1, -1, 1 }, { -1, -2, 0 } }, { 0, 3, 4 }, 0 },
         { "vertex, through", { { 0, 0, 0 }, { 4, 0, 0 }, { 0, 4, 0 }, { 1, 1, 1 }, { 1, 1, -1 } }, { 0, 3, 4 }, 1 },
-        { "vertex, longer, through", { { 0, 0, 0 }, { 4, 0, 0 }, { 0, 4, 0 }, { 9, 9, 9 }, { 9, 9, -9 } }, { 0, 3, 4 }, 1 },
-        { "vertex, flat, overlapping", { { 0, 0, 0 }, { 4, 0, 0 }, { 0, 4, 0 }, { 9, 1, 0 }, { 9, -1, 0 } }, { 0, 3, 4 }, 1 },
-        { "vertex, flat, inside", { { 0, 0, 0 }, { 4, 0, 0 }, { 0, 4, 0 }, { 1, 0.1, 0 }, { 0.1, 1, 0 } }, { 0, 3, 4 }, 1 },
-        { "vertex, flat, apart", { { 0, 0, 0 }, { 4, 0, 0 }, { 0, 4, 0 }, { 9, -1, 0 }, { 9, -2, 0 } }, { 0, 3, 4 }, 0 },
-        { "vertex, flat, opposite", { { 0, 0, 0 }, { 4, 0, 0 }, { 0, 4, 0 }, { -1, 0, 0 }, { 0, -1, 0 } }, { 0, 3, 4 }, 0 },
+        { "vertex, longer, through",
+          { { 0, 0, 0 }, { 4, 0, 0 }, { 0, 4, 0 }, { 9, 9, 9 }, { 9, 9, -9 } },
+          { 0, 3, 4 },
+          1 },
+        { "vertex, flat, overlapping",
+          { { 0, 0, 0 }, { 4, 0, 0 }, { 0, 4, 0 }, { 9, 1, 0 }, { 9, -1, 0 } },
+          { 0, 3, 4 },
+          1 },
+        { "vertex, flat, inside",
+          { { 0, 0, 0 }, { 4, 0, 0 }, { 0, 4, 0 }, { 1, 0.1, 0 }, { 0.1, 1, 0 } },
+          { 0, 3, 4 },
+          1 },
+        { "vertex, flat, apart",
+          { { 0, 0, 0 }, { 4, 0, 0 }, { 0, 4, 0 }, { 9, -1, 0 }, { 9, -2, 0 } },
+          { 0, 3, 4 },
+          0 },
+        { "vertex, flat, opposite",
+          { { 0, 0, 0 }, { 4, 0, 0 }, { 0, 4, 0 }, { -1, 0, 0 }, { 0, -1, 0 } },
+          { 0, 3, 4 },
+          0 },
     };
     for (size_t c = 0; c < sizeof cases / sizeof *cases; ++c)
         for (int turn = 0; turn < 3; ++turn) {
             uint32_t triangles[2][3] = { { 0, 1, 2 }, { 0, 0, 0 } };
             for (int k = 0; k < 3; ++k) triangles[1][k] = cases[c].other[(k + turn) % 3];
             const uint32_t found = count_pairs(cases[c].p, 5, (const uint32_t(*)[3])triangles, 2);
-            if (found != cases[c].meets) fail_msg("%s, turn %d: %u, expected %u", cases[c].what, turn, found, cases[c].meets);
+            if (found != cases[c].meets)
+                fail_msg("%s, turn %d: %u, expected %u", cases[c].what, turn, found, cases[c].meets);
         }
 }
 
-/* ---- a soup against an exact method of another kind ------------------------------------------------------------------ */
+/* ---- a soup against an exact method of another kind -------------------------------------------------------------- */
 
 /* Does the segment pq meet triangle abc, all in general position? Exact; a zero sign is reported as degenerate. */
 static bool segment_meets(ipoint p, ipoint q, const ipoint t[3], bool *degenerate)

@@ -54,13 +54,17 @@ static void test_obj_splits_seams_and_keeps_order(void **state)
     /* Ways in which the four positions are used: 1: 1/1/1, 1//2, 1 alone; 2: 2/2/1, 2//2, 2/1; 3: 3/3/1, alone, 3/2;
        4: 4//2, alone, 4/3. */
     CHECK_NEAR(view.vertex_count, 12, 0);
-    for (uint32_t v = 0; v < 4; ++v) CHECK_NEAR(pith_distance(view.positions[v], pith_v3(sample_corners[v][0], sample_corners[v][1], sample_corners[v][2])), 0, 0);
+    for (uint32_t v = 0; v < 4; ++v)
+        CHECK_NEAR(
+            pith_distance(view.positions[v], pith_v3(sample_corners[v][0], sample_corners[v][1], sample_corners[v][2])),
+            0, 0);
     assert_non_null(view.texcoords);
     assert_non_null(view.normals);
     CHECK_NEAR(view.normals[view.triangles[0][0]].z, -1.0, 0);
     CHECK_NEAR(view.normals[view.triangles[1][2]].y, -1.0, 0);
     CHECK_NEAR((double)view.texcoords[view.triangles[3][2]][1], 1.0, 0);
-    for (uint32_t v = 0; v < view.vertex_count; ++v) CHECK_NEAR(pith_length(view.normals[v]), 1.0, 1e-15); /* filled in */
+    for (uint32_t v = 0; v < view.vertex_count; ++v)
+        CHECK_NEAR(pith_length(view.normals[v]), 1.0, 1e-15); /* filled in */
     pith_mesh_destroy(mesh);
     free(sample.bytes);
 
@@ -97,10 +101,11 @@ static void test_ply_attributes(void **state)
         pith_mesh_destroy(mesh);
         free(sample.bytes);
     }
-    mesh = parse_text("ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
-                             "property float red\nproperty float green\nproperty float blue\nelement face 1\n"
-                             "property list uchar uchar vertex_indices\nend_header\n0 0 0 .5 0 0\n1 0 0 2 nan 0\n0 1 0 0 0 1\n"
-                             "3 0 1 2");
+    mesh = parse_text("ply",
+                      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+                      "property float red\nproperty float green\nproperty float blue\nelement face 1\n"
+                      "property list uchar uchar vertex_indices\nend_header\n0 0 0 .5 0 0\n1 0 0 2 nan 0\n0 1 0 0 0 1\n"
+                      "3 0 1 2");
     view = pith_mesh_look(mesh);
     CHECK_NEAR((double)view.colours[0][0], 0.5, 0); /* floats are linear */
     CHECK_NEAR((double)view.colours[1][0], 1.0, 0); /* clamped */
@@ -111,7 +116,8 @@ static void test_ply_attributes(void **state)
 static void test_off_flavours(void **state)
 {
     (void)state;
-    pith_mesh *mesh = parse_text("off", "COFF\n3 1 0\n0 0 0 255 0 0 255\n1 0 0 188 0 0 51\n0 1 0 0 0 255 255\n3 0 1 2\n");
+    pith_mesh *mesh =
+        parse_text("off", "COFF\n3 1 0\n0 0 0 255 0 0 255\n1 0 0 188 0 0 51\n0 1 0 0 0 255 255\n3 0 1 2\n");
     pith_mesh_view view = pith_mesh_look(mesh);
     CHECK_NEAR((double)view.colours[1][0], 0.50288646, 1e-6);
     CHECK_NEAR((double)view.colours[1][3], 0.2, 1e-7);
@@ -132,9 +138,10 @@ static void test_off_flavours(void **state)
 static void test_glb_nodes_and_modes(void **state)
 {
     (void)state;
-    /* A parent that doubles, a child that mirrors and turns by 90 degrees about z, then moves: volume 8/6, still outward. */
-    mesh_sample sample = sample_glb("[{\"scale\":[2,2,2],\"children\":[1]},{\"mesh\":0,\"translation\":[0,0,5],\"rotation\":"
-                                    "[0,0,0.7071067811865476,0.7071067811865476],\"scale\":[-1,1,1]}]");
+    /* A parent that doubles, a child that mirrors and turns by 90 degrees about z, then moves: 8/6, still outward. */
+    mesh_sample sample =
+        sample_glb("[{\"scale\":[2,2,2],\"children\":[1]},{\"mesh\":0,\"translation\":[0,0,5],\"rotation\":"
+                   "[0,0,0.7071067811865476,0.7071067811865476],\"scale\":[-1,1,1]}]");
     pith_mesh *mesh = parse(&sample);
     pith_mesh_report report;
     CHECK_OK(pith_mesh_measure(mesh, &report, &err));
@@ -153,13 +160,17 @@ static void test_glb_nodes_and_modes(void **state)
     pith_mesh_destroy(mesh);
     free(sample.bytes);
 
-    static const struct { int mode; uint32_t triangles; } modes[] = { { 4, 1 }, { 5, 2 }, { 6, 2 } };
+    static const struct {
+        int mode;
+        uint32_t triangles;
+    } modes[] = { { 4, 1 }, { 5, 2 }, { 6, 2 } };
     mesh_sample binary = sample_glb_binary();
     for (int m = 0; m < 3; ++m) { /* without indices */
         char json[1500];
         snprintf(json, sizeof json,
                  "{\"asset\":{\"version\":\"2.0\"},\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}],\"meshes\":[{"
-                 "\"primitives\":[{\"mode\":%d,\"attributes\":{\"POSITION\":0}}]}]," SAMPLE_GLB_ACCESSORS "}", modes[m].mode);
+                 "\"primitives\":[{\"mode\":%d,\"attributes\":{\"POSITION\":0}}]}]," SAMPLE_GLB_ACCESSORS "}",
+                 modes[m].mode);
         sample = sample_glb_of(json, &binary);
         mesh = parse(&sample);
         const pith_mesh_view view = pith_mesh_look(mesh);
@@ -181,8 +192,10 @@ static pith_mesh *rich_mesh(void)
     pith_mesh *fruit = NULL, *mesh = NULL;
     CHECK_OK(pith_mesh_fruit(&options, &fruit, &err));
     pith_mesh_view view = pith_mesh_look(fruit);
-    pith_vec3 *positions = malloc(view.vertex_count * sizeof *positions), *normals = malloc(view.vertex_count * sizeof *normals);
-    float(*colours)[4] = malloc(view.vertex_count * sizeof *colours), (*texcoords)[2] = malloc(view.vertex_count * sizeof *texcoords);
+    pith_vec3 *positions = malloc(view.vertex_count * sizeof *positions),
+              *normals = malloc(view.vertex_count * sizeof *normals);
+    float(*colours)[4] = malloc(view.vertex_count * sizeof *colours),
+    (*texcoords)[2] = malloc(view.vertex_count * sizeof *texcoords);
     pith_mesh_vertex_normals(&view, normals);
     pith_rng rng = pith_rng_make(11, 3);
     for (uint32_t v = 0; v < view.vertex_count; ++v) {
@@ -203,7 +216,10 @@ static pith_mesh *rich_mesh(void)
     return mesh;
 }
 
-static double encoded(float linear) { return linear <= 0.0031308f ? 12.92 * (double)linear : 1.055 * pow((double)linear, 1 / 2.4) - 0.055; }
+static double encoded(float linear)
+{
+    return linear <= 0.0031308f ? 12.92 * (double)linear : 1.055 * pow((double)linear, 1 / 2.4) - 0.055;
+}
 
 static void check_round_trip(const char *extension, double position, double colour, double normal, bool alpha)
 {
@@ -274,15 +290,30 @@ static void test_writing_refuses(void **state)
 static void test_numbers_equal_strtod(void **state)
 {
     (void)state;
-    static const char *const fixed[] = { "0", "-0", "1.", ".5", "+2.5e3", "1e22", "1e23", "123456789012345678901234567890",
-                                         "0.1", "9007199254740993", "2.2250738585072014e-308", "4.9e-324", "1e-400", "1.7976931348623157e308",
-                                         "0.000000000000000000000000000000123456789", "3.14159265358979323846264338327950288" };
+    static const char *const fixed[] = { "0",
+                                         "-0",
+                                         "1.",
+                                         ".5",
+                                         "+2.5e3",
+                                         "1e22",
+                                         "1e23",
+                                         "123456789012345678901234567890",
+                                         "0.1",
+                                         "9007199254740993",
+                                         "2.2250738585072014e-308",
+                                         "4.9e-324",
+                                         "1e-400",
+                                         "1.7976931348623157e308",
+                                         "0.000000000000000000000000000000123456789",
+                                         "3.14159265358979323846264338327950288" };
     pith_rng rng = pith_rng_make(3, 1);
     for (int i = 0; i < 200000; ++i) {
         char text[64];
-        if (i < (int)(sizeof fixed / sizeof *fixed)) snprintf(text, sizeof text, "%s", fixed[i]);
-        else snprintf(text, sizeof text, i % 3 ? "%.*g" : "%.*e", 1 + (int)pith_rng_below(&rng, 17),
-                      (pith_rng_unit(&rng) - 0.5) * pow(10.0, (double)pith_rng_below(&rng, 60) - 30.0));
+        if (i < (int)(sizeof fixed / sizeof *fixed))
+            snprintf(text, sizeof text, "%s", fixed[i]);
+        else
+            snprintf(text, sizeof text, i % 3 ? "%.*g" : "%.*e", 1 + (int)pith_rng_below(&rng, 17),
+                     (pith_rng_unit(&rng) - 0.5) * pow(10.0, (double)pith_rng_below(&rng, 60) - 30.0));
         mesh_text scan = { "text", (const unsigned char *)text, (const unsigned char *)text + strlen(text), 1 };
         double value = NAN;
         const double expected = strtod(text, NULL);
@@ -291,7 +322,8 @@ static void test_numbers_equal_strtod(void **state)
     }
     static const char *const wrong[] = { "", "-", ".", "e5", "+.e1", "x", "nano", "--1" };
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
-        mesh_text scan = { "text", (const unsigned char *)wrong[i], (const unsigned char *)wrong[i] + strlen(wrong[i]), 1 };
+        mesh_text scan = { "text", (const unsigned char *)wrong[i], (const unsigned char *)wrong[i] + strlen(wrong[i]),
+                           1 };
         double value;
         if (mesh_text_double(&scan, &value)) fail_msg("\"%s\" was taken for a number", wrong[i]);
     }
@@ -303,7 +335,8 @@ static void test_locale_changes_nothing(void **state)
 {
     (void)state;
     static const char *const names[] = { "de_DE.UTF-8", "de_DE.utf8", "fr_FR.UTF-8", "ru_RU.UTF-8" };
-    for (int i = 0; i < 4 && !setlocale(LC_NUMERIC, names[i]); ++i) {}
+    for (int i = 0; i < 4 && !setlocale(LC_NUMERIC, names[i]); ++i) {
+    }
     check_round_trip("obj", 0.0, 1e-6, 1e-15, false);
     check_round_trip("glb", 1e-3, 1e-6, 1e-7, true);
     setlocale(LC_NUMERIC, "C");

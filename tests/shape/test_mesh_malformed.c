@@ -27,21 +27,32 @@ static void test_sentences_name_the_place(void **state)
     refuses("obj", "v 0 0 0\n", "holds no triangle (1 vertices)");
     refuses("obj", "", "holds no triangle");
     refuses("off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 inf\n3 0 1 2\n", "line 5: vertex 2 at (0, 1, inf) is not finite");
-    refuses("off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", "line 6: corner 2 of face 0 must be a vertex from 0 to 2");
+    refuses("off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n",
+            "line 6: corner 2 of face 0 must be a vertex from 0 to 2");
     refuses("off", "OFF BINARY\n", "binary OFF");
     refuses("off", "4OFF\n3 1 0", "expected");
     refuses("off", "OFF\n4000000000 4000000000 0\n0 0 0\n", "more than the file can hold");
     refuses("ply", "plx\n", "starts with the word ply");
-    refuses("ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty flat x\nend_header\n", "line 4: expected: property");
-    refuses("ply", "ply\nformat ascii 1.0\nelement vertex 4000000000\nproperty float x\nproperty float y\nproperty float z\n"
-                   "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n", "promises 4000000000");
-    refuses("ply", "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\nend_header\n",
-            "point cloud");
-    refuses("ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float x\nend_header\n", "given twice");
-    refuses("ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
-                   "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n3 0 0 1\n", "only 1 vertices");
-    refuses("ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
-                   "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n3 0 0 -1\n", "no index");
+    refuses("ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty flat x\nend_header\n",
+            "line 4: expected: property");
+    refuses("ply",
+            "ply\nformat ascii 1.0\nelement vertex 4000000000\nproperty float x\nproperty float y\nproperty float z\n"
+            "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n",
+            "promises 4000000000");
+    refuses(
+        "ply",
+        "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\nend_header\n",
+        "point cloud");
+    refuses("ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float x\nend_header\n",
+            "given twice");
+    refuses("ply",
+            "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+            "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n3 0 0 1\n",
+            "only 1 vertices");
+    refuses("ply",
+            "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+            "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n3 0 0 -1\n",
+            "no index");
     refuses("stl", "solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nendloop\n", "2 corners");
     refuses("stl", "solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0\n", "line 4: expected: vertex x y z");
     refuses("stl", "short", "too few");
@@ -65,9 +76,9 @@ static void refuses_glb(const char *middle, const char *words)
 }
 
 #define ONE_MESH(primitive) "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[" primitive "]}]"
-#define ACCESSOR(fields) ONE_MESH("{\"attributes\":{\"POSITION\":0}}") ",\"accessors\":[{" fields "}]"
-#define GOOD_ACCESSOR "\"bufferView\":0,\"componentType\":5126,\"count\":4,\"type\":\"VEC3\""
-#define VIEW(fields) ACCESSOR(GOOD_ACCESSOR) ",\"bufferViews\":[{" fields "}],\"buffers\":[{\"byteLength\":76}]"
+#define ACCESSOR(fields)    ONE_MESH("{\"attributes\":{\"POSITION\":0}}") ",\"accessors\":[{" fields "}]"
+#define GOOD_ACCESSOR       "\"bufferView\":0,\"componentType\":5126,\"count\":4,\"type\":\"VEC3\""
+#define VIEW(fields)        ACCESSOR(GOOD_ACCESSOR) ",\"bufferViews\":[{" fields "}],\"buffers\":[{\"byteLength\":76}]"
 
 static void test_glb_offsets_are_checked(void **state)
 {
@@ -79,7 +90,8 @@ static void test_glb_offsets_are_checked(void **state)
     refuses_glb(ONE_MESH("{\"attributes\":{}}"), "no POSITION");
     refuses_glb(ONE_MESH("{\"attributes\":{\"POSITION\":0}}"), "accessor 0 does not exist");
     refuses_glb(ONE_MESH("{\"attributes\":{\"POSITION\":-1}}"), "POSITION is no accessor");
-    refuses_glb(ONE_MESH("{\"extensions\":{\"KHR_draco_mesh_compression\":{}},\"attributes\":{\"POSITION\":0}}"), "Draco");
+    refuses_glb(ONE_MESH("{\"extensions\":{\"KHR_draco_mesh_compression\":{}},\"attributes\":{\"POSITION\":0}}"),
+                "Draco");
     refuses_glb(ACCESSOR("\"componentType\":5126,\"count\":4,\"type\":\"VEC3\",\"sparse\":{}"), "sparse");
     refuses_glb(ACCESSOR("\"componentType\":5126,\"count\":4,\"type\":\"VEC3\""), "no bufferView");
     refuses_glb(ACCESSOR("\"bufferView\":0,\"componentType\":5127,\"count\":4,\"type\":\"VEC3\""), "unknown type");
@@ -136,7 +148,8 @@ static void test_random_damage(void **state)
             const uint32_t changes = 1 + pith_rng_below(&rng, 4);
             for (uint32_t c = 0; c < changes; ++c) {
                 unsigned char *at = &damaged[pith_rng_below(&rng, (uint32_t)samples[s].size)];
-                *at = (unsigned char)(round % 2 ? pith_rng_u32(&rng) : (uint32_t)"0123456789-. \n{}[]\",e/#\\"[pith_rng_below(&rng, 24)]);
+                *at = (unsigned char)(round % 2 ? pith_rng_u32(&rng)
+                                                : (uint32_t) "0123456789-. \n{}[]\",e/#\\"[pith_rng_below(&rng, 24)]);
             }
             try_bytes(samples[s].format, damaged, samples[s].size);
         }
@@ -159,7 +172,8 @@ static void test_no_memory_at_every_point(void **state)
         for (size_t n = 0; n < 100 && !done; ++n) {
             pith_mesh *mesh = NULL;
             pith_memory_fail_after(n);
-            const pith_status status = pith_mesh_parse("sample", samples[s].format, samples[s].bytes, samples[s].size, &mesh, &err);
+            const pith_status status =
+                pith_mesh_parse("sample", samples[s].format, samples[s].bytes, samples[s].size, &mesh, &err);
             pith_memory_fail_after(SIZE_MAX);
             done = status == PITH_OK;
             if (!done) assert_int_equal(status, PITH_NO_MEMORY);

@@ -38,7 +38,10 @@ static pith_tracer *trace(const pith_mesh *mesh)
     return tracer;
 }
 
-static pith_vec3 corner(const pith_mesh_view *view, uint32_t t, int k) { return view->positions[view->triangles[t][k]]; }
+static pith_vec3 corner(const pith_mesh_view *view, uint32_t t, int k)
+{
+    return view->positions[view->triangles[t][k]];
+}
 
 /* Möller and Trumbore 1997, in doubles, over all triangles. *margin is how far inside its triangle the hit lies. */
 static pith_hit brute_hit(const pith_mesh_view *view, const pith_ray *ray, double *margin)
@@ -46,7 +49,8 @@ static pith_hit brute_hit(const pith_mesh_view *view, const pith_ray *ray, doubl
     pith_hit best = { INFINITY, PITH_NONE, 0, 0 };
     *margin = INFINITY;
     for (uint32_t t = 0; t < view->triangle_count; ++t) {
-        const pith_vec3 a = corner(view, t, 0), e = pith_sub(corner(view, t, 1), a), f = pith_sub(corner(view, t, 2), a);
+        const pith_vec3 a = corner(view, t, 0), e = pith_sub(corner(view, t, 1), a),
+                        f = pith_sub(corner(view, t, 2), a);
         const pith_vec3 p = pith_cross(ray->direction, f), s = pith_sub(ray->origin, a), q = pith_cross(s, e);
         const double determinant = pith_dot(e, p);
         if (determinant == 0.0) continue;
@@ -85,7 +89,8 @@ static void test_hits_against_all_triangles(void **state)
         static bool occluded[RAYS];
         pith_rng rng = pith_rng_make(21, 0);
         for (int i = 0; i < RAYS; ++i) {
-            const pith_vec3 origin = random_in(&rng, &box, i % 3 == 0 ? 40.0 : 1.5), target = random_in(&rng, &box, 1.0);
+            const pith_vec3 origin = random_in(&rng, &box, i % 3 == 0 ? 40.0 : 1.5),
+                            target = random_in(&rng, &box, 1.0);
             const double stretch = pow(10.0, 6.0 * pith_rng_unit(&rng) - 3.0); /* distances count in directions */
             rays[i] = (pith_ray){ origin, pith_scale(pith_sub(target, origin), stretch), 0.0, INFINITY };
             if (i % 4 == 1) rays[i].farthest = 1.0 / stretch;
@@ -188,7 +193,9 @@ static void test_nearest_against_all_triangles(void **state)
         /* The point lies on the triangle that is named. */
         const uint32_t t = nearest[i].triangle;
         const uint32_t own[1][3] = { { view.triangles[t][0], view.triangles[t][1], view.triangles[t][2] } };
-        const pith_mesh_view one = { .positions = view.positions, .triangles = own, .vertex_count = view.vertex_count, .triangle_count = 1 };
+        const pith_mesh_view one = {
+            .positions = view.positions, .triangles = own, .vertex_count = view.vertex_count, .triangle_count = 1
+        };
         CHECK_NEAR(brute_distance(&one, nearest[i].point), 0.0, 1e-13);
     }
     pith_tracer_destroy(tracer);
@@ -200,9 +207,11 @@ static double brute_winding(const pith_mesh_view *view, pith_vec3 p)
 {
     double sum = 0.0;
     for (uint32_t t = 0; t < view->triangle_count; ++t) {
-        const pith_vec3 a = pith_sub(corner(view, t, 0), p), b = pith_sub(corner(view, t, 1), p), c = pith_sub(corner(view, t, 2), p);
+        const pith_vec3 a = pith_sub(corner(view, t, 0), p), b = pith_sub(corner(view, t, 1), p),
+                        c = pith_sub(corner(view, t, 2), p);
         const double la = pith_length(a), lb = pith_length(b), lc = pith_length(c);
-        sum += atan2(pith_dot(a, pith_cross(b, c)), la * lb * lc + pith_dot(a, b) * lc + pith_dot(b, c) * la + pith_dot(c, a) * lb);
+        sum += atan2(pith_dot(a, pith_cross(b, c)),
+                     la * lb * lc + pith_dot(a, b) * lc + pith_dot(b, c) * la + pith_dot(c, a) * lb);
     }
     return sum / (2.0 * M_PI);
 }
@@ -235,7 +244,8 @@ static void test_inside_against_winding_numbers(void **state)
         for (int i = 0; i < N; ++i) {
             const double winding = brute_winding(&view, points[i]);
             many += inside[i];
-            if (inside[i] != (winding > 0.5)) fail_msg("%s point %d: inside %d, winding %g", files[f], i, inside[i], winding);
+            if (inside[i] != (winding > 0.5))
+                fail_msg("%s point %d: inside %d, winding %g", files[f], i, inside[i], winding);
         }
         CHECK_AT_LEAST(many, N / 5);
         pith_tracer_destroy(tracer);
@@ -269,7 +279,8 @@ static void test_sphere_far_away(void **state)
         pith_hit hit;
         pith_tracer_hits(tracer, &ray, 1, &hit);
         lost += hit.triangle == PITH_NONE;
-        if (hit.triangle != PITH_NONE) CHECK_NEAR(hit.distance, 1.0, 1e-6); /* 1e-8 of 3e6 is the input's own rounding */
+        if (hit.triangle != PITH_NONE)
+            CHECK_NEAR(hit.distance, 1.0, 1e-6); /* 1e-8 of 3e6 is the input's own rounding */
     }
     CHECK_AT_MOST(lost, view.vertex_count / 50);
     pith_tracer_destroy(tracer);
@@ -292,7 +303,8 @@ static void test_threads_change_nothing(void **state)
     for (int i = 0; i < N; ++i) {
         points[i] = random_in(&rng, &box, 1.2);
         rays[i] = (pith_ray){ points[i], pith_rng_direction(&rng), 0.0, INFINITY };
-        if (i % 3 == 0) rays[i].direction = pith_sub(view.positions[(uint32_t)i % view.vertex_count], points[i]); /* ties */
+        if (i % 3 == 0)
+            rays[i].direction = pith_sub(view.positions[(uint32_t)i % view.vertex_count], points[i]); /* ties */
     }
     uint64_t hash[3];
     for (int threads = 1; threads <= 3; ++threads) {
@@ -303,7 +315,8 @@ static void test_threads_change_nothing(void **state)
         pith_tracer_inside(tracer, points, N, inside);
         uint64_t sum = 0;
         for (int i = 0; i < N; ++i) {
-            const double values[5] = { hits[i].distance, hits[i].triangle, (double)hits[i].u, nearest[i].distance, nearest[i].triangle };
+            const double values[5] = { hits[i].distance, hits[i].triangle, (double)hits[i].u, nearest[i].distance,
+                                       nearest[i].triangle };
             sum = pith_hash_bytes(values, sizeof values, sum);
             sum = pith_hash_bytes(&inside[i], 1, sum);
         }
@@ -338,10 +351,12 @@ static void test_odd_queries_and_meshes(void **state)
 
     pith_mesh *mesh = ball(2, p, 1.0);
     tracer = trace(mesh);
-    const pith_ray rays[] = { { { NAN, 0, 0 }, { 0, 0, 1 }, 0, INFINITY }, { { 0, 0, 0 }, { 0, 0, 0 }, 0, INFINITY },
-                              { { 0, 0, 0 }, { NAN, 0, 1 }, 0, INFINITY }, { { 0, 0, 0 }, { 0, 0, 1 }, NAN, INFINITY },
-                              { { 0, 0, 0 }, { 0, 0, 1 }, 0, NAN },        { { 0, 0, 0 }, { 0, 0, INFINITY }, 0, INFINITY },
-                              { { 0, 0, 0 }, { 0, 0, 1 }, 2, 1 },          { { 1e30, 0, 0 }, { 0, 1, 0 }, 0, INFINITY } };
+    const pith_ray rays[] = {
+        { { NAN, 0, 0 }, { 0, 0, 1 }, 0, INFINITY }, { { 0, 0, 0 }, { 0, 0, 0 }, 0, INFINITY },
+        { { 0, 0, 0 }, { NAN, 0, 1 }, 0, INFINITY }, { { 0, 0, 0 }, { 0, 0, 1 }, NAN, INFINITY },
+        { { 0, 0, 0 }, { 0, 0, 1 }, 0, NAN },        { { 0, 0, 0 }, { 0, 0, INFINITY }, 0, INFINITY },
+        { { 0, 0, 0 }, { 0, 0, 1 }, 2, 1 },          { { 1e30, 0, 0 }, { 0, 1, 0 }, 0, INFINITY }
+    };
     pith_hit hits[8];
     pith_tracer_hits(tracer, rays, 8, hits);
     for (int i = 0; i < 8; ++i) CHECK_NEAR(hits[i].triangle, PITH_NONE, 0);
@@ -373,9 +388,12 @@ static void test_odd_queries_and_meshes(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_hits_against_all_triangles),  cmocka_unit_test(test_range_is_exact),
-        cmocka_unit_test(test_nearest_against_all_triangles), cmocka_unit_test(test_inside_against_winding_numbers),
-        cmocka_unit_test(test_sphere_far_away),             cmocka_unit_test(test_threads_change_nothing),
+        cmocka_unit_test(test_hits_against_all_triangles),
+        cmocka_unit_test(test_range_is_exact),
+        cmocka_unit_test(test_nearest_against_all_triangles),
+        cmocka_unit_test(test_inside_against_winding_numbers),
+        cmocka_unit_test(test_sphere_far_away),
+        cmocka_unit_test(test_threads_change_nothing),
         cmocka_unit_test(test_odd_queries_and_meshes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
