@@ -11,7 +11,7 @@ static const double too_close = 1e-4;   /* of samples of one depth this close to
 static const double outside = 1e-3;     /* a stroke may leave the model by this much */
 static const double same_depth = 1e-9;
 
-enum { FEWEST_FACE_SAMPLES = 8 };
+enum { FEWEST_FACE_SAMPLES = 8, FEW_VERTICES = 200 };
 
 /* What one call works on. */
 typedef struct sampler {
@@ -304,13 +304,13 @@ typedef struct candidate {
 } candidate;
 
 /* Painted vertices; with few of them the middles of painted faces as well, so that a small spot is felt. */
-static size_t list_candidates(const sampler *s, const double *painted, size_t wanted, candidate *list)
+static size_t list_candidates(const sampler *s, const double *painted, candidate *list)
 {
     size_t count = 0;
     for (uint32_t v = 0; v < s->look.vertex_count; ++v)
         if (isfinite(painted[s->source_vertex[v]]))
             list[count++] = (candidate){ s->look.positions[v], painted[s->source_vertex[v]], INFINITY, PITH_NONE };
-    if (count >= wanted) return count;
+    if (count >= FEW_VERTICES) return count;
     for (uint32_t f = 0; f < s->look.triangle_count; ++f) {
         if (!isfinite(s->face_depth[f])) continue;
         const uint32_t *corner = s->look.triangles[f];
@@ -345,7 +345,7 @@ static pith_status add_face_samples(const sampler *s, depth_samples *samples, pi
     candidate *list = pith_alloc((size_t)s->look.vertex_count + s->look.triangle_count, sizeof *list);
     if (!list) return PITH_OUT_OF_MEMORY(err, "the samples of painted faces");
     const size_t wanted = s->capacity - samples->count;
-    const size_t count = list_candidates(s, samples->painted, 2 * wanted, list);
+    const size_t count = list_candidates(s, samples->painted, list);
     take_farthest(s, list, count, wanted, samples);
     pith_free(list);
     return PITH_OK;
