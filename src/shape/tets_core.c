@@ -11,6 +11,31 @@ static pith_face_key face_key(const uint32_t corners[4], int k)
     return pith_face_key_of(corners[f[0]], corners[f[1]], corners[f[2]]);
 }
 
+/* Do the three vertices of face k, counter-clockwise seen from outside, run like their ascending order? Neighbours lie
+   on opposite sides of a face, so one says yes and the other no. */
+static bool face_ascends(const uint32_t corners[4], int k)
+{
+    const uint8_t *f = pith_tet_faces[k];
+    const uint32_t a = corners[f[0]], b = corners[f[1]], c = corners[f[2]];
+    return (a < b) + (b < c) + (c < a) == 2;
+}
+
+/* Joins half face k of t with its partner; refuses a third one, and a partner on the same side. */
+static pith_status join_faces(const uint32_t (*corners)[4], uint32_t (*neighbours)[4], uint32_t t, int k,
+                              uint32_t other, int face, pith_error *err)
+{
+    const pith_face_key key = face_key(corners[t], k);
+    if (neighbours[other][face] != PITH_NONE)
+        return pith_fail(err, PITH_BAD_MESH, "the face %u %u %u belongs to tetrahedra %u, %u and %u; a face may have "
+                         "two", key.v[0], key.v[1], key.v[2], other, neighbours[other][face], t);
+    if (face_ascends(corners[t], k) == face_ascends(corners[other], face))
+        return pith_fail(err, PITH_BAD_MESH, "tetrahedra %u and %u lie on the same side of their common face %u %u "
+                         "%u: they overlap", other, t, key.v[0], key.v[1], key.v[2]);
+    neighbours[other][face] = t;
+    neighbours[t][k] = other;
+    return PITH_OK;
+}
+
 pith_status pith_tets_link(const uint32_t (*corners)[4], uint32_t tet_count, uint32_t (*neighbours)[4],
                            pith_error *err)
 {
@@ -34,14 +59,7 @@ pith_status pith_tets_link(const uint32_t (*corners)[4], uint32_t tet_count, uin
             const uint32_t other = (uint32_t)((table[slot] - 1) / 4);
             const int face = (int)((table[slot] - 1) % 4);
             if (!pith_face_same(face_key(corners[other], face), key)) continue;
-            if (neighbours[other][face] != PITH_NONE) {
-                status = pith_fail(err, PITH_BAD_MESH,
-                                   "the face %u %u %u belongs to tetrahedra %u, %u and %u; a face may have two",
-                                   key.v[0], key.v[1], key.v[2], other, neighbours[other][face], t);
-                break;
-            }
-            neighbours[other][face] = t;
-            neighbours[t][k] = other;
+            status = join_faces(corners, neighbours, t, k, other, face, err);
             break;
         }
     }

@@ -62,6 +62,9 @@ void pith_winding_destroy(pith_winding *winding);
 /* One point; safe from many threads. */
 double pith_winding_at(const pith_winding *winding, pith_vec3 point);
 
+/* pith_tets_read_vtu from memory; name is for messages. */
+pith_status pith_tets_parse_vtu(const char *name, const void *bytes, size_t size, pith_tets **tets, pith_error *err);
+
 /* ---- meshers --------------------------------------------------------------------------------------------------- */
 
 typedef struct pith_tetgen_job {
