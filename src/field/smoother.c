@@ -18,7 +18,7 @@ static const pith_param smoothing_items[] = {
     { "lambda_d", "1", "more of it keeps directions to their own depth layer (difference of depth, squared)",
       PITH_PARAM_DOUBLE, 0, 50, 1e6, offsetof(pith_smoothing_options, lambda_d), NULL },
     { "constraint_weight", "1", "more of it follows the strokes more exactly and less smoothly",
-      PITH_PARAM_DOUBLE, 1e-3, 5, 1000, offsetof(pith_smoothing_options, constraint_weight), NULL },
+      PITH_PARAM_DOUBLE, 1e-3, 3, 1000, offsetof(pith_smoothing_options, constraint_weight), NULL },
     { "constraint_rows", "1", "how a point speaks for the corners of its tetrahedron",
       PITH_PARAM_CHOICE, 0, 1, 1, offsetof(pith_smoothing_options, barycentric), row_words },
 };
@@ -57,6 +57,9 @@ static void share_out(const pith_smoothing_options *options, const double *r2, c
     for (uint32_t k = 0; k < count; ++k) sum += weights[k] = fmax(exp(nearest - weights[k]), least_share);
     for (uint32_t k = 0; k < count; ++k) weights[k] /= sum;
 }
+
+/* Vertices up to which the factor pays: beyond, making it takes longer than the few solves it usually serves. */
+static const uint32_t direct_limit = 20000;
 
 static double square_distance(pith_vec3 a, pith_vec3 b)
 {
@@ -259,7 +262,8 @@ pith_status pith_smoother_create(const pith_tets *tets, const pith_locator *loca
     adjacency_free(&adjacent); /* the factor is the largest thing here: leave it the room */
     const pith_sparse_view smooth = as_view(&laplacian, view.vertex_count);
     const pith_sparse_view fixed = as_view(&constrain, view.vertex_count);
-    const pith_solve_options solve = pith_solve_options_default();
+    pith_solve_options solve = pith_solve_options_default();
+    solve.direct_limit = direct_limit;
     PITH_TRY_OR(done, pith_least_squares_create(&smooth, &fixed, &solve, &made->system, err));
     made->weight = options->constraint_weight;
     made->vertex_count = view.vertex_count;
