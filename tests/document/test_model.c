@@ -120,7 +120,7 @@ static void test_damaged_caches_are_told_and_mended(void **state)
     size_t size;
     CHECK_OK(pith_file_read(file, &bytes, &size, &err));
 
-    static const double places[] = { 0, 0.001, 0.01, 0.3, 0.7, 0.99 };
+    static const double places[] = { 0, 0.001, 0.3, 0.99 };
     for (size_t i = 0; i < sizeof places / sizeof *places; ++i) {
         const size_t at = (size_t)(places[i] * (double)size);
         CHECK_OK(pith_file_write(file, bytes, at, &err)); /* cut off there */

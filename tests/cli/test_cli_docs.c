@@ -1,0 +1,47 @@
+/* Every command that the docs show runs: lines with build/pith inside ```sh fences of README.md and of the pages under
+   docs/, each page in a folder of its own, in the order they stand there. `make` itself and benches are left out. */
+#include "cli_run.h"
+
+static int run_page(const char *page)
+{
+    char path[500];
+    unsigned char *text;
+    size_t size;
+    pith_error err;
+    snprintf(path, sizeof path, "%s/%s", PITH_SOURCE_DIR, page);
+    CHECK_OK(pith_file_read(path, &text, &size, &err));
+    int commands = 0;
+    bool inside = false;
+    char *save = NULL;
+    for (char *line = strtok_r((char *)text, "\n", &save); line; line = strtok_r(NULL, "\n", &save)) {
+        if (strncmp(line, "```", 3) == 0) inside = !inside && strcmp(line, "```sh") == 0;
+        if (!inside || !strstr(line, "build/pith") || strstr(line, "bench") || strstr(line, "demo")) continue;
+        const int code = run("%s", line);
+        if (code != 0) fail_msg("%s: %s\nexit code %d\n%s", page, line, code, run_err);
+        ++commands;
+    }
+    pith_free(text);
+    return commands;
+}
+
+static void test_the_readme(void **state)
+{
+    (void)state;
+    CHECK_AT_LEAST(run_page("README.md"), 5);
+}
+
+static void test_the_tutorial(void **state)
+{
+    (void)state;
+    CHECK_RUN(0, "rm -f my.pith*");
+    CHECK_AT_LEAST(run_page("docs/tutorial/1_first_cut.md"), 4);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_the_readme),
+        cmocka_unit_test(test_the_tutorial),
+    };
+    return cmocka_run_group_tests(tests, run_set_up, run_tear_down);
+}
