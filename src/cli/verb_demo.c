@@ -14,8 +14,11 @@ static pith_status make_folders(const char *path, pith_error *err)
     snprintf(at, sizeof at, "%s", path);
     for (char *slash = strchr(at + 1, '/'); ; slash = strchr(slash + 1, '/')) {
         if (slash) *slash = 0;
+        struct stat info;
         if (mkdir(at, 0777) != 0 && errno != EEXIST)
             return pith_fail(err, PITH_IO, "%s: cannot be made: %s", at, strerror(errno));
+        if (stat(at, &info) != 0 || !S_ISDIR(info.st_mode))
+            return pith_fail(err, PITH_IO, "%s: is a file, and a folder is wanted there", at);
         if (!slash) return PITH_OK;
         *slash = '/';
     }
