@@ -32,15 +32,15 @@ static pith_status check_view(const pith_sparse_view *view, const char *name, pi
     if (view->start[0] != 0)
         return pith_fail(err, PITH_BAD_ARGUMENT, "the %s matrix starts its first row at entry %u, expected 0", name,
                          view->start[0]);
-    for (uint32_t row = 0; row < view->row_count; ++row) {
+    for (uint32_t row = 0; row < view->row_count; ++row) /* all of them before any entry is looked at */
         if (view->start[row + 1] < view->start[row])
             return pith_fail(err, PITH_BAD_ARGUMENT, "the %s matrix ends row %u before it begins", name, row);
+    for (uint32_t row = 0; row < view->row_count; ++row)
         for (uint32_t e = view->start[row]; e < view->start[row + 1]; ++e)
             if (view->columns[e] >= view->column_count || !isfinite(view->values[e]))
                 return pith_fail(err, PITH_BAD_ARGUMENT, "the %s matrix has the entry %g in row %u, column %u; expected "
                                  "a finite number in one of %u columns", name, view->values[e], row, view->columns[e],
                                  view->column_count);
-    }
     return PITH_OK;
 }
 
