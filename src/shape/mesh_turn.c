@@ -7,6 +7,7 @@ typedef struct patch_facts {
     double volume; /* enclosed, once its triangles agree; about the patch's own centre when it is open */
     double area;
     pith_vec3 centre; /* area-weighted */
+    pith_box box;
     uint32_t sample;  /* one of its triangles */
     uint32_t triangles, flipped;
     bool turn; /* the whole patch must turn once more */
@@ -24,6 +25,8 @@ static void measure_patches(const pith_mesh_view *view, const mesh_edges *edges,
         const pith_vec3 sum = pith_add(pith_add(view->positions[c[0]], view->positions[c[1]]), view->positions[c[2]]);
         fact->centre = pith_madd(fact->centre, sum, area / 3.0);
         fact->area += area;
+        if (fact->triangles == 0) fact->box = pith_box_empty();
+        for (int k = 0; k < 3; ++k) pith_box_add(&fact->box, view->positions[c[k]]);
         fact->sample = t;
         ++fact->triangles;
         fact->flipped += edges->flip[t];
@@ -38,11 +41,18 @@ static void measure_patches(const pith_mesh_view *view, const mesh_edges *edges,
     }
 }
 
-/* In how many closed patches patch p lies. A ray through an edge may miscount, so three rays vote on each. */
-static uint32_t nesting_depth(const pith_mesh_view *view, const mesh_tree *tree, const uint32_t *label, uint32_t p,
-                              uint32_t sample, mesh_stab *stab, mesh_stab *votes)
+static bool box_within(pith_box inner, pith_box outer)
 {
-    const uint32_t *c = view->triangles[sample];
+    return inner.low.x >= outer.low.x && inner.low.y >= outer.low.y && inner.low.z >= outer.low.z &&
+           inner.high.x <= outer.high.x && inner.high.y <= outer.high.y && inner.high.z <= outer.high.z;
+}
+
+/* In how many closed patches patch p lies. A ray through an edge may miscount, so three rays vote on each. The ray asks
+   for one place of p; two bodies that cross are told from a cavity by p's box, which a cavity has within the other's. */
+static uint32_t nesting_depth(const pith_mesh_view *view, const mesh_tree *tree, const uint32_t *label, uint32_t p,
+                              const patch_facts *facts, mesh_stab *stab, mesh_stab *votes)
+{
+    const uint32_t *c = view->triangles[facts[p].sample];
     const pith_vec3 sum = pith_add(pith_add(view->positions[c[0]], view->positions[c[1]]), view->positions[c[2]]);
     pith_rng rng = pith_rng_make(p, 0x6e657374); /* "nest" */
     for (int ray = 0; ray < 3; ++ray) {
@@ -55,7 +65,10 @@ static uint32_t nesting_depth(const pith_mesh_view *view, const mesh_tree *tree,
         mesh_stab_clear(stab);
     }
     uint32_t depth = 0;
-    for (uint32_t i = 0; i < votes->touched_count; ++i) depth += votes->count[votes->touched[i]] >= 2;
+    for (uint32_t i = 0; i < votes->touched_count; ++i) {
+        const uint32_t other = votes->touched[i];
+        depth += votes->count[other] >= 2 && box_within(facts[p].box, facts[other].box);
+    }
     mesh_stab_clear(votes);
     return depth;
 }
@@ -68,7 +81,7 @@ static void decide(const pith_mesh_view *view, const mesh_edges *edges, const me
     for (uint32_t p = 0; p < edges->patch_count; ++p) closed += edges->patch_closed[p];
     for (uint32_t p = 0; p < edges->patch_count; ++p) {
         if (edges->patch_closed[p]) {
-            const uint32_t depth = closed > 1 ? nesting_depth(view, tree, label, p, facts[p].sample, stab, votes) : 0;
+            const uint32_t depth = closed > 1 ? nesting_depth(view, tree, label, p, facts, stab, votes) : 0;
             facts[p].turn = (facts[p].volume < 0.0) != (depth % 2 == 1);
         } else {
             /* A bowl or a holed ball bulges by a good part of the volume a sphere of its area has; a sheet does not,

@@ -219,7 +219,7 @@ static pith_status read_tags(vtu_file *f, pith_error *err)
     section where = NOWHERE;
     bool root = false;
     for (;;) {
-        xml_tag tag;
+        xml_tag tag = { .attribute_count = 0 };
         bool found;
         PITH_TRY(next_tag(&f->scan, &tag, &found, err));
         if (!found) break;

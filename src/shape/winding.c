@@ -15,9 +15,9 @@
 
 enum { LEAF_TRIANGLES = 8, DEEPEST = 64 };
 
-/* Relative distance from which a node is taken as one: with the second term the largest error seen on closed surfaces
-   is about 2e-3, far from mattering against the threshold of one half. */
-static const double reach = 2.0;
+/* Relative distance from which a node is taken as one. What the two terms leave out falls with its square: 0.02 is the
+   largest error seen on closed surfaces at 3, 0.044 at 2, 0.011 at 4; the threshold in use is one half. */
+static const double reach = 3.0;
 
 typedef struct winding_node {
     pith_vec3 centre;
