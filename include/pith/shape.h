@@ -68,10 +68,10 @@ pith_status pith_mesh_measure(const pith_mesh *mesh, pith_mesh_report *report, p
 void pith_mesh_complaint(const pith_mesh_report *report, char *text, size_t capacity);
 
 /** An icosphere mapped to an ellipsoid-like fruit: radii along x, y, z; `power` 2 is an ellipsoid, more is boxier;
- *  `dent` pulls both poles (z axis) in by that fraction of radii.z, over an angle of about 25 degrees; `bump` adds
- *  smooth unevenness of that fraction of the radius, from `seed`. detail n gives 20 * 4^n triangles (0..8). */
+ *  `dent` pulls both poles (z axis) in by that fraction of radii.z, over an angle of about 25 degrees; `taper`
+ *  narrows the lower end; `bump` adds smooth unevenness of that fraction of the radius, from `seed`. detail n gives 20 * 4^n triangles (0..8). */
 typedef struct pith_fruit_options {
-    double radius_x, radius_y, radius_z, power, dent, bump;
+    double radius_x, radius_y, radius_z, power, dent, taper, bump;
     uint32_t detail;
     uint64_t seed;
 } pith_fruit_options;

@@ -13,6 +13,8 @@ static const pith_param fruit_items[] = {
     { "power", "1", "2 is an ellipsoid; more makes it boxier", PITH_PARAM_DOUBLE, 1.0, 2.0, 16.0, OPTION(power), NULL },
     { "dent", "1", "how far both poles are pulled in, as a fraction of radius_z", PITH_PARAM_DOUBLE, 0.0, 0.0, 0.8,
       OPTION(dent), NULL },
+    { "taper", "1", "how much narrower the lower pole's end is: 0 not at all, 1 runs to a point", PITH_PARAM_DOUBLE, 0.0, 0.0,
+      1.0, OPTION(taper), NULL },
     { "bump", "1", "smooth unevenness, as a fraction of the radius", PITH_PARAM_DOUBLE, 0.0, 0.0, 0.3, OPTION(bump),
       NULL },
     { "detail", "1", "how often the icosahedron is subdivided: 20 * 4^detail triangles", PITH_PARAM_UINT, 0, 4, 8,
@@ -121,7 +123,8 @@ static pith_vec3 fruit_point(const pith_fruit_options *options, const fruit_wave
     const double reach = 25.0 * M_PI / 180.0, angle = atan2(hypot(d.x, d.y), fabs(d.z)) / reach;
     const double fade = angle < 1.0 ? (1.0 - angle * angle) * (1.0 - angle * angle) : 0.0;
     const double dented = size * (1.0 - options->dent * fade);
-    return pith_v3(options->radius_x * d.x * size, options->radius_y * d.y * size, options->radius_z * d.z * dented);
+    const double narrow = size * (1.0 - options->taper * (0.5 - 0.5 * d.z));
+    return pith_v3(options->radius_x * d.x * narrow, options->radius_y * d.y * narrow, options->radius_z * d.z * dented);
 }
 
 pith_status pith_mesh_fruit(const pith_fruit_options *options, pith_mesh **mesh, pith_error *err)
