@@ -328,7 +328,7 @@ static void apply_matrix(const iteration *it, const double *x, double *y)
 static void dots(const iteration *it, const double *a, const double *b, double result[MOST_WIDE])
 {
     const uint32_t width = it->width, count = it->system->count;
-#pragma omp parallel for num_threads(pith_threads()) schedule(static)
+#pragma omp parallel for num_threads(sparse_threads(count)) schedule(static)
     for (uint32_t chunk = 0; chunk < it->chunks; ++chunk) {
         const uint32_t first = chunk * CHUNK, last = count - first < CHUNK ? count : first + CHUNK;
         double sum[MOST_WIDE] = { 0 };
@@ -346,7 +346,7 @@ static void combine(const iteration *it, const double keep[MOST_WIDE], double *y
                     const double *x)
 {
     const uint32_t width = it->width;
-#pragma omp parallel for num_threads(it->chunks > 2 ? pith_threads() : 1) schedule(static)
+#pragma omp parallel for num_threads(sparse_threads(it->system->count)) schedule(static)
     for (uint32_t i = 0; i < it->system->count; ++i)
         for (uint32_t k = 0; k < width; ++k) {
             const size_t at = (size_t)i * width + k;

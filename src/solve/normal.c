@@ -286,11 +286,13 @@ static inline __attribute__((always_inline)) void multiply_rows(const sparse *m,
     }
 }
 
+int sparse_threads(uint32_t rows) { return rows > 16384 ? pith_threads() : 1; }
+
 void sparse_multiply(const sparse *matrix, uint32_t width, const double *x, double *y, bool add)
 {
     enum { CHUNK = 2048 };
     const uint32_t chunks = (matrix->rows + CHUNK - 1) / CHUNK;
-#pragma omp parallel for num_threads(chunks > 2 ? pith_threads() : 1) schedule(static)
+#pragma omp parallel for num_threads(sparse_threads(matrix->rows)) schedule(static)
     for (uint32_t chunk = 0; chunk < chunks; ++chunk) {
         const uint32_t first = chunk * CHUNK, last = chunk + 1 == chunks ? matrix->rows : first + CHUNK;
         switch (width) {

@@ -20,8 +20,8 @@ static pith_solve_options with_method(uint32_t method)
 /* A sparse matrix under construction; rows are appended entry by entry. */
 typedef struct builder {
     uint32_t rows, columns, entries;
-    uint32_t start[9001], column[130000];
-    double value[130000];
+    uint32_t start[20001], column[140000];
+    double value[140000];
 } builder;
 
 static builder smooth, constrain, other; /* too large for the stack */
@@ -269,7 +269,7 @@ static void failed_new_constraints_leave_the_old_ones_working(void **state)
 
 static uint64_t hash_of_solution(uint32_t method, int threads, int blas_threads)
 {
-    enum { G = 20, N = G * G * G, C = 40, RHS = 3 };
+    enum { G = 27, N = G * G * G, C = 40, RHS = 3 };
     static double b[RHS * C], x[RHS * N], alone[N];
     fill_grid(&smooth, G);
     fill_points(&constrain, N, C, 3.0, 51);
