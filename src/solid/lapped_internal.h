@@ -35,10 +35,16 @@ int lapped_mask_kind(double depth);
 void lapped_mask_bounds(const lapped_masks *masks, int kind, const double low[3], const double high[3], int *least,
                         int *greatest);
 
-/* Trilinear alpha 0..1 at (r, s, t); 0 where r or t leave [0,1]; exactly 1 where all eight cells are opaque. */
+/* Trilinear alpha 0..1 at (r, s, t); 0 where r or t leave [0,1]; exactly 1 where all eight cells are opaque. Most points
+   lie in a block that is all opaque or all empty: the small tables answer those, and stay in the nearest cache. */
 static inline float lapped_mask_alpha(const lapped_masks *masks, int kind, float r, float s, float t)
 {
     if (!(r > 0.0f && r < 1.0f && t > 0.0f && t < 1.0f)) return 0.0f;
+    s = s < 0.0f ? 0.0f : s > 1.0f ? 1.0f : s;
+    const int bi = (int)(r * MASK_BLOCKS), bj = (int)(s * MASK_BLOCKS), bk = (int)(t * MASK_BLOCKS);
+    const int row = bj < MASK_BLOCKS ? bj : MASK_BLOCKS - 1;
+    if (masks->least[kind][bk][row][bi] == 255) return 1.0f;
+    if (masks->greatest[kind][bk][row][bi] == 0) return 0.0f;
     const float top = MASK_SIZE - 1;
     float x = r * MASK_SIZE - 0.5f, y = s * MASK_SIZE - 0.5f, z = t * MASK_SIZE - 0.5f;
     x = x < 0.0f ? 0.0f : x > top ? top : x;

@@ -150,6 +150,13 @@ static void lapped_sample(const pith_solid *solid, const pith_query *query, floa
     double weights[SOLID_BLOCK][4];
     locate(self, query, tets, weights);
     for (size_t i = 0; i < query->count; ++i, out += solid->channels) {
+        /* Points in random order miss the cache at every tet: fetch the lists a few points ahead. */
+        enum { AHEAD = 6 };
+        if (i + AHEAD < query->count && tets[i + AHEAD] != PITH_NONE) {
+            const char *list = (const char *)(self->entries + self->entry_start[tets[i + AHEAD]]);
+            __builtin_prefetch(list);
+            __builtin_prefetch(list + 64);
+        }
         if (tets[i] == PITH_NONE) memset(out, 0, solid->channels * sizeof *out);
         else compose(self, tets[i], weights[i], out);
     }
