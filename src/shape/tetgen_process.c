@@ -292,7 +292,10 @@ pith_status pith_tetgen_run(const char *program, const pith_tetgen_job *job, con
     bool closed = false;
     pith_tets *made = NULL;
     pith_status status = send_request(&h, job, scale, &closed, err);
-    if (status == PITH_OK) status = receive_reply(&h, job, scale, &closed, &made, err);
+    if (status == PITH_OK || closed) { /* a helper that hung up may have said why before */
+        closed = false;
+        status = receive_reply(&h, job, scale, &closed, &made, err);
+    }
     const int how = finish(&h, closed);
     if (closed) return explain_death(&h, how, err);
     if (status == PITH_OK) *tets = made;
