@@ -18,7 +18,7 @@ static const pith_param smoothing_items[] = {
     { "lambda_d", "1", "more of it keeps directions to their own depth layer (difference of depth, squared)",
       PITH_PARAM_DOUBLE, 0, 50, 1e6, offsetof(pith_smoothing_options, lambda_d), NULL },
     { "constraint_weight", "1", "more of it follows the strokes more exactly and less smoothly",
-      PITH_PARAM_DOUBLE, 1e-3, 3, 1000, offsetof(pith_smoothing_options, constraint_weight), NULL },
+      PITH_PARAM_DOUBLE, 1e-3, 10, 1000, offsetof(pith_smoothing_options, constraint_weight), NULL },
     { "constraint_rows", "1", "how a point speaks for the corners of its tetrahedron",
       PITH_PARAM_CHOICE, 0, 1, 1, offsetof(pith_smoothing_options, barycentric), row_words },
 };

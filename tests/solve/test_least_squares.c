@@ -269,10 +269,12 @@ static void failed_new_constraints_leave_the_old_ones_working(void **state)
 
 static uint64_t hash_of_solution(uint32_t method, int threads, int blas_threads)
 {
-    enum { G = 27, N = G * G * G, C = 40, RHS = 3 };
+    /* Large enough for several supernodes, or for parallel loops. */
+    enum { SIDE = 27, N = SIDE * SIDE * SIDE, C = 40, RHS = 3 };
     static double b[RHS * C], x[RHS * N], alone[N];
-    fill_grid(&smooth, G);
-    fill_points(&constrain, N, C, 3.0, 51);
+    const uint32_t side = method == CG ? SIDE : 16, n = side * side * side;
+    fill_grid(&smooth, side);
+    fill_points(&constrain, n, C, 3.0, 51);
     fill_right(b, RHS * C, 52);
     pith_threads_set(threads);
     openblas_set_num_threads(blas_threads);
@@ -282,11 +284,11 @@ static uint64_t hash_of_solution(uint32_t method, int threads, int blas_threads)
     CHECK_OK(pith_least_squares_solve(system, b, RHS, x, &err));
     if (method == CG) { /* each right-hand side gets the bits it would get alone */
         CHECK_OK(pith_least_squares_solve(system, b + C, 1, alone, &err));
-        assert_memory_equal(alone, x + N, sizeof alone);
+        assert_memory_equal(alone, x + n, sizeof alone);
     }
     pith_least_squares_destroy(system);
     pith_threads_set(0);
-    return pith_hash_bytes(x, sizeof x, 0);
+    return pith_hash_bytes(x, RHS * (size_t)n * sizeof *x, 0);
 }
 
 static void threads_do_not_change_a_bit(void **state)
