@@ -3,16 +3,30 @@
 
 #include <string.h>
 
-/* The face t = ½ as a picture: r to the right, s downwards from the outside in. */
-static pith_status write_slice(const pith_grid *grid, const char *path, pith_error *err)
+/* One voxel as a square of the picture. */
+static void draw_voxel(pith_image *image, uint32_t x, uint32_t y, uint32_t side, const float *colour)
 {
-    const uint32_t width = grid->size[0], height = grid->size[1], middle = grid->size[2] / 2;
+    for (uint32_t j = 0; j < side; ++j)
+        for (uint32_t i = 0; i < side; ++i)
+            memcpy(image->pixels + 3 * ((size_t)(y * side + j) * image->width + x + i), colour, 3 * sizeof(float));
+}
+
+/* Two slices through the middle side by side, the outside on top: r to the right, then t to the right. */
+static pith_status write_slices(const pith_grid *grid, const char *path, pith_error *err)
+{
+    enum { GAP = 8, WANTED = 256 };
+    const uint32_t nr = grid->size[0], ns = grid->size[1], nt = grid->size[2];
+    const uint32_t side = (WANTED + ns - 1) / ns;
     pith_image *image = NULL;
-    PITH_TRY(pith_image_create(width, height, 3, &image, err));
-    for (uint32_t y = 0; y < height; ++y)
-        for (uint32_t x = 0; x < width; ++x)
-            memcpy(image->pixels + 3 * ((size_t)y * width + x),
-                   grid->values + grid->channels * (((size_t)middle * height + y) * width + x), 3 * sizeof(float));
+    PITH_TRY(pith_image_create((nr + nt) * side + GAP, ns * side, 3, &image, err));
+    for (size_t i = 0; i < (size_t)3 * image->width * image->height; ++i) image->pixels[i] = 1.0f;
+    for (uint32_t s = 0; s < ns; ++s) {
+        for (uint32_t r = 0; r < nr; ++r)
+            draw_voxel(image, r * side, s, side, grid->values + grid->channels * (((size_t)(nt / 2) * ns + s) * nr + r));
+        for (uint32_t t = 0; t < nt; ++t)
+            draw_voxel(image, nr * side + GAP + t * side, s, side,
+                       grid->values + grid->channels * (((size_t)t * ns + s) * nr + nr / 2));
+    }
     const pith_status status = pith_image_write(image, path, 92, err);
     pith_image_destroy(image);
     return status;
@@ -24,7 +38,7 @@ int verb_exemplar(int argc, char **argv)
     const char *out = NULL, *slice = NULL;
     const cli_flag flags[] = {
         { "out", 'o', CLI_TEXT, &out, "FILE", "the exemplar: .nrrd, gzipped, 8-bit sRGB", 0, 0, NULL },
-        { "slice", 0, CLI_TEXT, &slice, "FILE", "also a picture of its middle, the outside on top: .png or .jpg", 0, 0,
+        { "slice", 0, CLI_TEXT, &slice, "FILE", "also a picture of two slices, r and t to the right, the outside on top", 0, 0,
           NULL },
         CLI_THREADS_FLAG(common),
     };
@@ -50,7 +64,7 @@ int verb_exemplar(int argc, char **argv)
         if (status != PITH_OK) pith_fail_in(&err, status, "%s", line.word[1]);
     }
     if (status == PITH_OK && out) status = pith_grid_write_nrrd(grid, out, PITH_NRRD_UCHAR_SRGB, true, &err);
-    if (status == PITH_OK && slice) status = write_slice(grid, slice, &err);
+    if (status == PITH_OK && slice) status = write_slices(grid, slice, &err);
     pith_grid_destroy(grid);
     pith_recipe_destroy(recipe);
     return status == PITH_OK ? EXIT_DONE : cli_fail("exemplar", &err);
