@@ -273,157 +273,190 @@ pith_status cg_create(const sparse *smooth, const sparse *constrain, cg_system *
 
 /* ---- the iteration ------------------------------------------------------------------------------------------------------ */
 
-/* All vectors hold `width` right-hand sides side by side: [count][width]. */
+/* All vectors hold `width` right-hand sides side by side: [count][width]. A round is two parallel regions and one sweep
+   of a single thread through the factor; more and shorter regions would spend a busy machine's time waiting. */
 typedef struct iteration {
     const cg_system *system;
     uint32_t width, chunks;
-    double *residual, *ahead, *product, *preconditioned;
-    double *smooth_rows, *constrain_rows;   /* S x and C x */
+    int threads;
+    double *solution, *residual, *ahead, *product, *preconditioned;
+    double *smooth_rows, *constrain_rows;   /* S p and C p */
     double (*partial)[MOST_WIDE];           /* [chunks] */
 } iteration;
 
-/* z = M⁻¹ r. One thread: each row waits for the rows before it. Inlined with a constant width. */
-static inline __attribute__((always_inline)) void precondition_wide(const cg_system *s, uint32_t width, const double *r,
-                                                                    double *z)
+static uint32_t chunk_end(uint32_t chunk, uint32_t count)
 {
+    return count - chunk * CHUNK < CHUNK ? count : (chunk + 1) * CHUNK;
+}
+
+static uint32_t chunks_of(uint32_t count) { return (count + CHUNK - 1) / CHUNK; }
+
+/* Sums of a·b over one chunk, per right-hand side. */
+static void chunk_dots(const iteration *it, uint32_t chunk, const double *a, const double *b)
+{
+    const uint32_t width = it->width, last = chunk_end(chunk, it->system->count);
+    double sum[MOST_WIDE] = { 0 };
+    for (uint32_t i = chunk * CHUNK; i < last; ++i)
+        for (uint32_t k = 0; k < width; ++k) sum[k] += a[(size_t)i * width + k] * b[(size_t)i * width + k];
+    memcpy(it->partial[chunk], sum, sizeof sum);
+}
+
+/* Adds the chunks up one after the other, whichever thread made them. */
+static void add_partial(const iteration *it, double result[MOST_WIDE])
+{
+    memset(result, 0, MOST_WIDE * sizeof *result);
+    for (uint32_t chunk = 0; chunk < it->chunks; ++chunk)
+        for (uint32_t k = 0; k < it->width; ++k) result[k] += it->partial[chunk][k];
+}
+
+/* q = A p, and p·q. */
+static void apply_matrix(iteration *it, double pq[MOST_WIDE])
+{
+    const cg_system *s = it->system;
+    const uint32_t smooth_rows = s->smooth.rows, constrain_rows = s->constrain.rows;
+#pragma omp parallel num_threads(it->threads)
+    {
+#pragma omp for schedule(static) nowait
+        for (uint32_t c = 0; c < chunks_of(smooth_rows); ++c)
+            sparse_multiply(&s->smooth, c * CHUNK, chunk_end(c, smooth_rows), it->width, it->ahead, it->smooth_rows,
+                            false);
+#pragma omp for schedule(static)
+        for (uint32_t c = 0; c < chunks_of(constrain_rows); ++c)
+            sparse_multiply(&s->constrain, c * CHUNK, chunk_end(c, constrain_rows), it->width, it->ahead,
+                            it->constrain_rows, false);
+#pragma omp for schedule(static)
+        for (uint32_t c = 0; c < it->chunks; ++c) {
+            const uint32_t first = c * CHUNK, last = chunk_end(c, s->count);
+            sparse_multiply(&s->smooth_t, first, last, it->width, it->smooth_rows, it->product, false);
+            sparse_multiply(&s->constrain_t, first, last, it->width, it->constrain_rows, it->product, true);
+            chunk_dots(it, c, it->ahead, it->product);
+        }
+    }
+    add_partial(it, pq);
+}
+
+/* x += α p, r -= α q, and r·r. */
+static void advance(iteration *it, const double step[MOST_WIDE], double rr[MOST_WIDE])
+{
+    const uint32_t width = it->width;
+#pragma omp parallel for num_threads(it->threads) schedule(static)
+    for (uint32_t c = 0; c < it->chunks; ++c) {
+        for (uint32_t i = c * CHUNK; i < chunk_end(c, it->system->count); ++i)
+            for (uint32_t k = 0; k < width; ++k) {
+                const size_t at = (size_t)i * width + k;
+                it->solution[at] += step[k] * it->ahead[at];
+                it->residual[at] -= step[k] * it->product[at];
+            }
+        chunk_dots(it, c, it->residual, it->residual);
+    }
+    add_partial(it, rr);
+}
+
+/* z = M⁻¹ r and p = z + β p with β = r·z / before (0 where before is 0); rz receives r·z = |L⁻¹ r|². One thread: each
+   row waits for the rows before it. Inlined with a constant width. */
+static inline __attribute__((always_inline)) void turn_wide(const iteration *it, uint32_t width,
+                                                            const double before[MOST_WIDE], double rz[MOST_WIDE])
+{
+    const cg_system *s = it->system;
+    double *z = it->preconditioned, beta[MOST_WIDE], square[MOST_WIDE] = { 0 };
     for (uint32_t i = 0; i < s->count; ++i) {
         double sum[MOST_WIDE];
-        for (uint32_t k = 0; k < width; ++k) sum[k] = r[(size_t)i * width + k];
+        for (uint32_t k = 0; k < width; ++k) sum[k] = it->residual[(size_t)i * width + k];
         for (uint32_t e = s->start[i]; e < s->start[i + 1]; ++e)
             for (uint32_t k = 0; k < width; ++k) sum[k] -= s->value[e] * z[(size_t)s->column[e] * width + k];
-        for (uint32_t k = 0; k < width; ++k) z[(size_t)i * width + k] = sum[k] * s->inverse[i];
+        for (uint32_t k = 0; k < width; ++k) {
+            sum[k] *= s->inverse[i];
+            square[k] += sum[k] * sum[k];
+            z[(size_t)i * width + k] = sum[k];
+        }
+    }
+    for (uint32_t k = 0; k < width; ++k) {
+        rz[k] = square[k];
+        beta[k] = before[k] > 0.0 ? square[k] / before[k] : 0.0;
     }
     for (uint32_t i = s->count; i-- > 0;) {
         double here[MOST_WIDE];
         for (uint32_t k = 0; k < width; ++k) {
-            here[k] = z[(size_t)i * width + k] * s->inverse[i];
-            z[(size_t)i * width + k] = here[k];
+            const size_t at = (size_t)i * width + k;
+            here[k] = z[at] * s->inverse[i];
+            it->ahead[at] = here[k] + beta[k] * it->ahead[at];
         }
         for (uint32_t e = s->start[i]; e < s->start[i + 1]; ++e)
             for (uint32_t k = 0; k < width; ++k) z[(size_t)s->column[e] * width + k] -= s->value[e] * here[k];
     }
 }
 
-static void precondition(const cg_system *system, uint32_t width, const double *r, double *z)
+static void turn(iteration *it, const double before[MOST_WIDE], double rz[MOST_WIDE])
 {
-    switch (width) {
-    case 1: precondition_wide(system, 1, r, z); break;
-    case 2: precondition_wide(system, 2, r, z); break;
-    case 3: precondition_wide(system, 3, r, z); break;
-    default: precondition_wide(system, 4, r, z); break;
+    switch (it->width) {
+    case 1: turn_wide(it, 1, before, rz); break;
+    case 2: turn_wide(it, 2, before, rz); break;
+    case 3: turn_wide(it, 3, before, rz); break;
+    default: turn_wide(it, 4, before, rz); break;
     }
-}
-
-static void apply_matrix(const iteration *it, const double *x, double *y)
-{
-    const cg_system *s = it->system;
-    sparse_multiply(&s->smooth, it->width, x, it->smooth_rows, false);
-    sparse_multiply(&s->smooth_t, it->width, it->smooth_rows, y, false);
-    if (s->constrain.rows == 0) return;
-    sparse_multiply(&s->constrain, it->width, x, it->constrain_rows, false);
-    sparse_multiply(&s->constrain_t, it->width, it->constrain_rows, y, true);
-}
-
-/* dots[k] = a_k · b_k; chunks are summed one after the other whichever thread made them. */
-static void dots(const iteration *it, const double *a, const double *b, double result[MOST_WIDE])
-{
-    const uint32_t width = it->width, count = it->system->count;
-#pragma omp parallel for num_threads(sparse_threads(count)) schedule(static)
-    for (uint32_t chunk = 0; chunk < it->chunks; ++chunk) {
-        const uint32_t first = chunk * CHUNK, last = count - first < CHUNK ? count : first + CHUNK;
-        double sum[MOST_WIDE] = { 0 };
-        for (uint32_t i = first; i < last; ++i)
-            for (uint32_t k = 0; k < width; ++k) sum[k] += a[(size_t)i * width + k] * b[(size_t)i * width + k];
-        memcpy(it->partial[chunk], sum, sizeof sum);
-    }
-    for (uint32_t k = 0; k < width; ++k) result[k] = 0.0;
-    for (uint32_t chunk = 0; chunk < it->chunks; ++chunk)
-        for (uint32_t k = 0; k < width; ++k) result[k] += it->partial[chunk][k];
-}
-
-/* y = y * keep + x * factor, per right-hand side. */
-static void combine(const iteration *it, const double keep[MOST_WIDE], double *y, const double factor[MOST_WIDE],
-                    const double *x)
-{
-    const uint32_t width = it->width;
-#pragma omp parallel for num_threads(sparse_threads(it->system->count)) schedule(static)
-    for (uint32_t i = 0; i < it->system->count; ++i)
-        for (uint32_t k = 0; k < width; ++k) {
-            const size_t at = (size_t)i * width + k;
-            y[at] = y[at] * keep[k] + x[at] * factor[k];
-        }
 }
 
 /* Until every right-hand side has met its tolerance; those that have stand still (their step is 0). */
-static pith_status iterate(iteration *it, double *x, double tolerance, uint32_t max_iterations, uint32_t *iterations,
+static pith_status iterate(iteration *it, double tolerance, uint32_t max_iterations, uint32_t *iterations,
                            pith_error *err)
 {
-    static const double ones[MOST_WIDE] = { 1, 1, 1, 1 };
-    const uint32_t width = it->width;
-    double bound[MOST_WIDE], rr[MOST_WIDE], rz[MOST_WIDE], pq[MOST_WIDE], step[MOST_WIDE], back[MOST_WIDE];
-    dots(it, it->residual, it->residual, rr);
-    for (uint32_t k = 0; k < width; ++k) bound[k] = tolerance * tolerance * rr[k];
+    double bound[MOST_WIDE], rr[MOST_WIDE], before[MOST_WIDE], rz[MOST_WIDE] = { 0 }, pq[MOST_WIDE], step[MOST_WIDE];
+    for (uint32_t c = 0; c < it->chunks; ++c) chunk_dots(it, c, it->residual, it->residual);
+    add_partial(it, rr);
+    for (uint32_t k = 0; k < it->width; ++k) bound[k] = tolerance * tolerance * rr[k];
     for (uint32_t round = 0;; ++round) {
         bool done = true;
-        double worst = 0.0;
-        for (uint32_t k = 0; k < width; ++k) {
-            done = done && rr[k] <= bound[k];
-            if (!(rr[k] <= bound[k])) worst = fmax(worst, tolerance * sqrt(rr[k] / bound[k]));
-        }
+        double worst = 0.0; /* relative residual of those that still move */
+        for (uint32_t k = 0; k < it->width; ++k)
+            if (!(rr[k] <= bound[k])) {
+                done = false;
+                worst = fmax(worst, tolerance * sqrt(rr[k] / bound[k]));
+            }
         if (iterations) *iterations = round;
         if (done) return PITH_OK;
         if (round == max_iterations)
             return pith_fail(err, PITH_NOT_CONVERGED, "conjugate gradients reached a residual of %.3g after %u "
                              "iterations, expected %.3g; allow more iterations or a larger tolerance, or use the "
                              "direct method", worst, round, tolerance);
-
-        /* p = z + β p, with β = 0 in the first round. */
-        double rz_before[MOST_WIDE];
-        if (round > 0) memcpy(rz_before, rz, sizeof rz);
-        precondition(it->system, width, it->residual, it->preconditioned);
-        dots(it, it->residual, it->preconditioned, rz);
-        for (uint32_t k = 0; k < width; ++k) back[k] = round > 0 && rz_before[k] > 0.0 ? rz[k] / rz_before[k] : 0.0;
-        combine(it, back, it->ahead, ones, it->preconditioned);
-
-        apply_matrix(it, it->ahead, it->product);
-        dots(it, it->ahead, it->product, pq);
-        for (uint32_t k = 0; k < width; ++k) {
+        memcpy(before, rz, sizeof rz);
+        turn(it, before, rz);
+        apply_matrix(it, pq);
+        for (uint32_t k = 0; k < it->width; ++k) {
             const bool still = rr[k] <= bound[k];
             if (!still && !(pq[k] > 0.0))
                 return pith_fail(err, PITH_BAD_ARGUMENT, "the system is singular: some of its %u unknowns are not fixed "
                                  "by any row; add constraints", it->system->count);
             step[k] = still ? 0.0 : rz[k] / pq[k];
         }
-        combine(it, ones, x, step, it->ahead);
-        for (uint32_t k = 0; k < width; ++k) step[k] = -step[k];
-        combine(it, ones, it->residual, step, it->product);
-        dots(it, it->residual, it->residual, rr);
+        advance(it, step, rr);
     }
 }
 
 pith_status cg_solve(const cg_system *system, uint32_t width, const double *right, double tolerance,
                      uint32_t max_iterations, double *x, uint32_t *iterations, pith_error *err)
 {
-    const uint32_t n = system->count, chunks = (n + CHUNK - 1) / CHUNK;
+    const uint32_t n = system->count, chunks = chunks_of(n);
     const size_t size = (size_t)n * width;
     double *block = pith_alloc(5 * size, sizeof *block);
-    iteration it = { system, width, chunks, block, block + size, block + 2 * size, block + 3 * size,
-                     pith_alloc((size_t)system->smooth.rows * width, sizeof(double)),
-                     pith_alloc((size_t)system->constrain.rows * width, sizeof(double)),
-                     pith_alloc(chunks, sizeof *it.partial) };
+    iteration it = { .system = system, .width = width, .chunks = chunks, .solution = block, .residual = block + size,
+                     .ahead = block + 2 * size, .product = block + 3 * size, .preconditioned = block + 4 * size,
+                     .smooth_rows = pith_alloc((size_t)system->smooth.rows * width, sizeof(double)),
+                     .constrain_rows = pith_alloc((size_t)system->constrain.rows * width, sizeof(double)),
+                     .partial = pith_alloc(chunks, sizeof *it.partial),
+                     /* A short loop is over before a second thread has woken. */
+                     .threads = chunks > 8 ? pith_threads() : 1 };
     pith_status status = PITH_OK;
     if (!block || !it.smooth_rows || !it.constrain_rows || !it.partial) {
         status = PITH_OUT_OF_MEMORY(err, "conjugate gradients");
         goto done;
     }
-    double *solution = block + 4 * size;
     for (uint32_t i = 0; i < n; ++i)
         for (uint32_t k = 0; k < width; ++k)
             it.residual[(size_t)i * width + k] = right[(size_t)system->order[i] * width + k] * system->scale[i];
-    PITH_TRY_OR(done, iterate(&it, solution, tolerance, max_iterations, iterations, err));
+    PITH_TRY_OR(done, iterate(&it, tolerance, max_iterations, iterations, err));
     for (uint32_t i = 0; i < n; ++i)
         for (uint32_t k = 0; k < width; ++k)
-            x[(size_t)system->order[i] * width + k] = solution[(size_t)i * width + k] * system->scale[i];
+            x[(size_t)system->order[i] * width + k] = it.solution[(size_t)i * width + k] * system->scale[i];
 done:
     pith_free(block);
     pith_free(it.smooth_rows);

@@ -150,10 +150,10 @@ static void residual_of(const pith_least_squares *system, const double *b, const
 {
     const sparse *smooth = &system->smooth, *constrain = &system->constrain;
     memset(r, 0, smooth->columns * sizeof *r);
-    sparse_multiply(smooth, 1, x, scratch, false);
+    sparse_multiply(smooth, 0, smooth->rows, 1, x, scratch, false);
     for (uint32_t i = 0; i < smooth->rows; ++i) scratch[i] = -scratch[i];
     add_transposed(smooth, scratch, r);
-    sparse_multiply(constrain, 1, x, scratch, false);
+    sparse_multiply(constrain, 0, constrain->rows, 1, x, scratch, false);
     for (uint32_t i = 0; i < constrain->rows; ++i) scratch[i] = b[i] - scratch[i];
     add_transposed(constrain, scratch, r);
 }

@@ -286,20 +286,13 @@ static inline __attribute__((always_inline)) void multiply_rows(const sparse *m,
     }
 }
 
-int sparse_threads(uint32_t rows) { return rows > 16384 ? pith_threads() : 1; }
-
-void sparse_multiply(const sparse *matrix, uint32_t width, const double *x, double *y, bool add)
+void sparse_multiply(const sparse *matrix, uint32_t first, uint32_t last, uint32_t width, const double *x, double *y,
+                     bool add)
 {
-    enum { CHUNK = 2048 };
-    const uint32_t chunks = (matrix->rows + CHUNK - 1) / CHUNK;
-#pragma omp parallel for num_threads(sparse_threads(matrix->rows)) schedule(static)
-    for (uint32_t chunk = 0; chunk < chunks; ++chunk) {
-        const uint32_t first = chunk * CHUNK, last = chunk + 1 == chunks ? matrix->rows : first + CHUNK;
-        switch (width) {
-        case 1: multiply_rows(matrix, first, last, 1, x, y, add); break;
-        case 2: multiply_rows(matrix, first, last, 2, x, y, add); break;
-        case 3: multiply_rows(matrix, first, last, 3, x, y, add); break;
-        default: multiply_rows(matrix, first, last, 4, x, y, add); break;
-        }
+    switch (width) {
+    case 1: multiply_rows(matrix, first, last, 1, x, y, add); break;
+    case 2: multiply_rows(matrix, first, last, 2, x, y, add); break;
+    case 3: multiply_rows(matrix, first, last, 3, x, y, add); break;
+    default: multiply_rows(matrix, first, last, 4, x, y, add); break;
     }
 }

@@ -58,10 +58,10 @@ pith_status sparse_normal(const sparse *smooth, const sparse *constrain, sparse 
 bool sparse_contains(const sparse *outer, const sparse *inner);
 /* Writes inner's values into their places in outer, 0 elsewhere. outer must contain inner. */
 void sparse_scatter(const sparse *inner, sparse *outer);
-/* Threads worth using in a loop over so many rows: a parallel region on a busy machine costs more than a short loop. */
-int sparse_threads(uint32_t rows);
-/* y = M x, or y += M x, for `width` vectors stored side by side: x [columns][width], y [rows][width]; width 1..4. */
-void sparse_multiply(const sparse *matrix, uint32_t width, const double *x, double *y, bool add);
+/* Rows first .. last - 1 of y = M x, or y += M x, for `width` vectors stored side by side: x [columns][width],
+   y [rows][width]; width 1..4. */
+void sparse_multiply(const sparse *matrix, uint32_t first, uint32_t last, uint32_t width, const double *x, double *y,
+                     bool add);
 
 /* ---- conjugate gradients (conjugate_gradients.c) ---------------------------------------------------------------------- */
 
