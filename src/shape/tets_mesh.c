@@ -242,9 +242,56 @@ static pith_status usable_interior(const filling *f, pith_vec3 **usable, size_t 
     return PITH_OK;
 }
 
-/* Runs TetGen until the number is near enough to the wanted one. The mean tetrahedron has about 0.45 of the volume
-   bound; from the second run on the measured slope between bound and number counts, which tends to 0 where the
-   surface's own triangles set a floor. */
+/* TetGen's answer to a volume bound, as measured on fruits of 1 280 to 81 920 triangles: with x = volume / bound it makes
+   about sqrt(floor^2 + (gain x)^2) tetrahedra, gain 2, where floor is what the surface's own triangles force: 3.7 for
+   each of 1 280, about one more for each fourfold number of triangles. */
+typedef struct size_model { double floor, gain; } size_model;
+
+static size_model guess_size(uint32_t triangles)
+{
+    const double each = 3.7 + 0.95 * log2(triangles / 1280.0) / 2.0;
+    return (size_model){ (each > 2.0 ? each : 2.0) * triangles, 2.0 };
+}
+
+/* volume / bound for a wanted number; 0, no bound, where the floor is above it. */
+static double size_for(size_model model, double wanted)
+{
+    return wanted > model.floor ? sqrt(wanted * wanted - model.floor * model.floor) / model.gain : 0.0;
+}
+
+static void correct_size(size_model *model, double x, double count)
+{
+    if (!(x > 0.0) || count < 1.05 * model->floor) model->floor = x > 0.0 ? 0.9 * count : count;
+    if (x > 0.0) model->gain = sqrt(count * count - model->floor * model->floor) / x;
+}
+
+/* Runs TetGen until the number is near enough to the wanted one, or cannot come nearer. */
+static pith_status approach_number(const filling *f, const char *program, pith_tetgen_job *job, pith_tets **best,
+                                   pith_error *err)
+{
+    size_model model = guess_size(f->view.triangle_count);
+    double x = f->wanted > 0.0 ? size_for(model, f->wanted) : 0.0;
+    for (int run = 0; run < MOST_RUNS; ++run) {
+        pith_tets *made = NULL;
+        job->volume_bound = x > 0.0 ? f->volume / x : 0.0;
+        pith_status status = pith_tetgen_run(program, job, f->progress, &made, err);
+        if (status == PITH_OK) status = drop_cavities(f, &made, err);
+        if (status != PITH_OK) {
+            pith_tets_destroy(made);
+            return status;
+        }
+        const double count = made->tet_count;
+        keep_nearest(best, made, f->wanted > 0.0 ? f->wanted : 1.0);
+        if (!(f->wanted > 0.0) || fabs(count / f->wanted - 1.0) <= near_enough) break;
+        correct_size(&model, x, count);
+        const double next = size_for(model, f->wanted);
+        if (fabs(next - x) <= 0.03 * x) break;
+        x = next;
+        job->check_intersections = false;
+    }
+    return PITH_OK;
+}
+
 static pith_status run_tetgen(const filling *f, pith_tets **tets, pith_error *err)
 {
     char program[PATH_MAX];
@@ -255,32 +302,11 @@ static pith_status run_tetgen(const filling *f, pith_tets **tets, pith_error *er
     pith_tetgen_job job = { .surface = f->view, .interior = interior, .interior_count = interior_count,
                             .radius_edge = f->options->radius_edge, .time_limit = f->options->time_limit,
                             .memory_limit = f->options->memory_limit, .check_intersections = true };
-    if (f->wanted > 0.0) job.volume_bound = f->volume / (0.45 * f->wanted);
-
     pith_tets *best = NULL;
-    pith_status status = PITH_OK;
-    double last_bound = 0.0, last_count = 0.0, slope = 1.0;
-    for (int run = 0; run < MOST_RUNS; ++run) {
-        pith_tets *made = NULL;
-        status = pith_tetgen_run(program, &job, f->progress, &made, err);
-        if (status == PITH_OK) status = drop_cavities(f, &made, err);
-        if (status != PITH_OK) {
-            pith_tets_destroy(made);
-            break;
-        }
-        const double count = made->tet_count;
-        keep_nearest(&best, made, f->wanted > 0.0 ? f->wanted : 1.0);
-        if (!(f->wanted > 0.0) || fabs(count / f->wanted - 1.0) <= near_enough) break;
-        if (run > 0) slope = log(count / last_count) / log(last_bound / job.volume_bound);
-        if (!(slope > 0.1)) break;
-        last_bound = job.volume_bound;
-        last_count = count;
-        job.volume_bound *= pow(count / f->wanted, 1.0 / fmin(slope, 1.2));
-        job.check_intersections = false;
-    }
+    pith_status status = approach_number(f, program, &job, &best, err);
     pith_free(interior);
     /* A later run that fails, on a limit perhaps, leaves the earlier result; but not when somebody cancelled. */
-    if (best && status != PITH_OK && status != PITH_CANCELLED) status = PITH_OK;
+    if (best && status != PITH_CANCELLED) status = PITH_OK;
     if (status == PITH_OK) *tets = best;
     else pith_tets_destroy(best);
     return status;

@@ -185,6 +185,7 @@ static pith_status read_array(vtu_file *f, const xml_tag *tag, section where, pi
                      : span_is(name, "offsets") ? &f->offsets : span_is(name, "types") ? &f->types : NULL;
     if (!array || array->present) return PITH_OK;
     *array = (vtu_array){ .present = true, .type = attribute(tag, "type"), .format = attribute(tag, "format"),
+                          .content = { f->scan.at, 0 },
                           .components = 1 };
     const span components = attribute(tag, "NumberOfComponents"), offset = attribute(tag, "offset");
     if (components.size > 0 && !whole_number(components, &array->components))
