@@ -4,7 +4,7 @@
 
 #include "pith/base.h"
 
-/* ---- sparse least squares ------------------------------------------------------------------------------------ */
+/* ---- sparse least squares ---------------------------------------------------------------------------------------- */
 
 /** Compressed rows, as views: row i has columns[start[i]] .. columns[start[i+1]-1] with values beside them. */
 typedef struct pith_sparse_view {
@@ -14,7 +14,7 @@ typedef struct pith_sparse_view {
     const double *values;
 } pith_sparse_view;
 
-typedef struct pith_least_squares pith_least_squares;
+typedef struct pith_least_squares pith_least_squares; /* one thread may change it; any number may solve with it */
 
 typedef struct pith_solve_options {
     uint32_t method;    /* 0 auto: Cholesky up to direct_limit unknowns, else conjugate gradients; 1 direct; 2 cg */
@@ -27,32 +27,43 @@ pith_solve_options pith_solve_options_default(void);
 
 /** Prepares  min |smooth x|² + |constrain x - b|²  (rows already multiplied by their weights): forms the normal matrix
  *  and factors it by supernodal Cholesky (CHOLMOD), or prepares conjugate gradients with shifted incomplete Cholesky.
- *  Both views are copied. `constrain` may have 0 rows only if `smooth` has full rank. PITH_BAD_ARGUMENT when the
- *  system is singular, naming it so. */
+ *  Both views are copied; columns of a row may come in any order, repeated ones are added up. `constrain` may have 0
+ *  rows only if `smooth` has full rank. PITH_BAD_ARGUMENT for a malformed view, and when the system is singular, naming
+ *  it so (conjugate gradients see it only in an unknown that no row mentions, else they settle on one solution).
+ *  The same bits for any number of threads, of ours and of OpenBLAS's; which ones depends on the processor, because
+ *  OpenBLAS has kernels of its own for each family. */
 pith_status pith_least_squares_create(const pith_sparse_view *smooth, const pith_sparse_view *constrain,
                                       const pith_solve_options *options, pith_least_squares **system, pith_error *err);
 void pith_least_squares_destroy(pith_least_squares *system);
-/** New constraint rows, same smoothness: keeps the ordering, factors again. */
+/** New constraint rows, same smoothness: factors again, with the old ordering when no row joins unknowns that were
+ *  never joined before. After a failure the old constraints are in force. */
 pith_status pith_least_squares_constrain(pith_least_squares *system, const pith_sparse_view *constrain,
                                          pith_error *err);
-/** Solves for `count` right-hand sides at once: b [count][constraint rows], x [count][unknowns]. */
+/** Solves for `count` right-hand sides at once: b [count][constraint rows], x [count][unknowns]. Direct solutions are
+ *  refined once against the rows themselves. PITH_NOT_CONVERGED when conjugate gradients give up. Measured on two
+ *  cores, three right-hand sides: 40 000 unknowns of a squared Laplacian 2.4 s to factor and 0.1 s to solve, or 1 s by
+ *  conjugate gradients; 200 000 unknowns 5 s by conjugate gradients. */
 pith_status pith_least_squares_solve(const pith_least_squares *system, const double *b, uint32_t count, double *x,
                                      pith_error *err);
 
-/* ---- radial basis functions ------------------------------------------------------------------------------------ */
+/* ---- radial basis functions -------------------------------------------------------------------------------------- */
 
 typedef struct pith_rbf pith_rbf;
 
 /** Interpolant  f(p) = Σ w_i |p - c_i|³ + a·p + a0  through values at points (Turk and O'Brien 1999): thin-plate energy
  *  in 3D, exact on affine data. Points within 1e-9 of the box's diagonal of one another are merged when their values
- *  agree to 1e-9 and refused (naming both) when not. smoothing >= 0 is added to the diagonal (0 interpolates).
- *  Works in coordinates scaled to the unit box. Degenerate layouts (all points in a plane, a line, one point) get the
- *  affine part that the data determine. Dense LDLᵀ: O(n³), n <= 20000. */
+ *  agree to 1e-9 of the largest value and refused (naming both) when not. smoothing >= 0 is added to the diagonal
+ *  (0 interpolates). Works in coordinates scaled to a box of diagonal 1, and smoothing counts there. Degenerate layouts
+ *  (all points in a plane, a line, one point) get the affine part that the data determine. Points so close that
+ *  rounding merges them (below about 1e-5 of the diagonal) are passed at a tiny distance instead of exactly.
+ *  Dense Cholesky of the system projected on the affine functions' complement: n³/3, n <= 20000 different points;
+ *  1 200 points 0.03 s, 5 000 points 1.3 s on two cores. PITH_BAD_ARGUMENT as said, PITH_NO_MEMORY (8 n² bytes). */
 pith_status pith_rbf_create(const pith_vec3 *points, const double *values, size_t count, double smoothing,
                             pith_rbf **rbf, pith_error *err);
 void pith_rbf_destroy(pith_rbf *rbf);
 /** Values [count] and gradients [count] (1/model unit), either may be NULL. Parallel, same bits for any thread count,
- *  vectorised over centres; cost count * centres. */
+ *  vectorised over centres; cost count * centres, 0.5 ns each on two cores. Outside the points the affine part and
+ *  cubes go on growing: clamp what must stay in a range. */
 void pith_rbf_evaluate(const pith_rbf *rbf, const pith_vec3 *points, size_t count, double *values,
                        pith_vec3 *gradients);
 /** The same by the scalar reference loop; for tests. */

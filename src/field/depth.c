@@ -1,5 +1,5 @@
-/* The depth field: thin-plate RBF through the constraints. Takayama et al. 2008, sections 3 and 5.2.2; Takayama's thesis
- * (2010), section 4.4.2.
+/* The depth field: thin-plate RBF through the constraints. Takayama, Okabe, Ijiri and Igarashi, "Lapped Solid
+ * Textures", SIGGRAPH 2008, section 5.2.2; Takayama's thesis (2010), section 4.4.2.
  */
 #include "field_internal.h"
 

@@ -37,12 +37,13 @@ static bool any_paints(const sampler *s)
     return false;
 }
 
-/* ---- checks that need no geometry --------------------------------------------------------------------------------- */
+/* ---- checks that need no geometry -------------------------------------------------------------------------------- */
 
 static pith_status check_points(const pith_depth_constraint *c, size_t index, pith_error *err)
 {
     if (c->count == 0 || !c->points)
-        return pith_fail(err, PITH_BAD_ARGUMENT, "depth constraint %zu has no points; give it some or remove it", index);
+        return pith_fail(err, PITH_BAD_ARGUMENT, "depth constraint %zu has no points; give it some or remove it",
+                         index);
     for (size_t i = 0; i < c->count; ++i)
         if (!pith_finite(c->points[i]))
             return pith_fail(err, PITH_BAD_ARGUMENT, "depth constraint %zu, point %zu is (%g, %g, %g), expected finite "
@@ -70,7 +71,8 @@ static pith_status check_constraints(const pith_depth_constraint *constraints, s
         case PITH_DEPTH_STROKE: PITH_TRY(check_points(c, i, err)); break;
         case PITH_DEPTH_FACES:
             if (c->count == 0 || !c->faces)
-                return pith_fail(err, PITH_BAD_ARGUMENT, "depth constraint %zu has no faces; paint some or remove it", i);
+                return pith_fail(err, PITH_BAD_ARGUMENT, "depth constraint %zu has no faces; paint some or remove it",
+                                 i);
             break;
         case PITH_DEPTH_ALL_FACES: break;
         default:
@@ -84,7 +86,7 @@ static pith_status check_constraints(const pith_depth_constraint *constraints, s
     return PITH_OK;
 }
 
-/* ---- painted faces ---------------------------------------------------------------------------------------------------- */
+/* ---- painted faces ----------------------------------------------------------------------------------------------- */
 
 static pith_status paint_face(sampler *s, size_t constraint, uint32_t face, pith_error *err)
 {
@@ -93,9 +95,9 @@ static pith_status paint_face(sampler *s, size_t constraint, uint32_t face, pith
         return pith_fail(err, PITH_BAD_ARGUMENT, "depth constraint %zu paints face %u, but the surface has %u faces",
                          constraint, face, s->look.triangle_count);
     if (fabs(s->face_depth[face] - depth) > same_depth) /* false where nothing is painted yet */
-        return pith_fail(err, PITH_BAD_ARGUMENT, "depth constraints %u and %zu contradict each other: face %u is painted "
-                         "with depth %g and with %g; remove it from one of them", s->face_source[face], constraint, face,
-                         s->face_depth[face], depth);
+        return pith_fail(err, PITH_BAD_ARGUMENT, "depth constraints %u and %zu contradict each other: face %u is "
+                         "painted with depth %g and with %g; remove it from one of them", s->face_source[face],
+                         constraint, face, s->face_depth[face], depth);
     s->face_depth[face] = depth;
     s->face_source[face] = (uint32_t)constraint;
     return PITH_OK;
@@ -141,9 +143,10 @@ static pith_status paint_vertices(const sampler *s, double **painted, pith_error
     return PITH_OK;
 }
 
-/* ---- points and strokes ----------------------------------------------------------------------------------------------- */
+/* ---- points and strokes ------------------------------------------------------------------------------------------ */
 
-static bool near_same_sample(const sampler *s, const depth_samples *samples, size_t among, pith_vec3 point, double depth)
+static bool near_same_sample(const sampler *s, const depth_samples *samples, size_t among, pith_vec3 point,
+                             double depth)
 {
     for (size_t i = 0; i < among; ++i)
         if (pith_distance(samples->points[i], point) <= too_close * s->diagonal &&
@@ -191,8 +194,8 @@ static pith_status plan_fixed_samples(const sampler *s, double *spacing, size_t 
     }
     *fixed = points + strokes;
     if (*fixed + reserve > s->centres)
-        return pith_fail(err, PITH_BAD_ARGUMENT, "the depth constraints have %zu points and need %zu more on strokes, but "
-                         "at most %zu centres are allowed; raise centres or thin out the points", points, strokes,
+        return pith_fail(err, PITH_BAD_ARGUMENT, "the depth constraints have %zu points and need %zu more on strokes, "
+                         "but at most %zu centres are allowed; raise centres or thin out the points", points, strokes,
                          s->centres);
     return PITH_OK;
 }
@@ -221,7 +224,7 @@ static pith_status add_fixed_samples(const sampler *s, double spacing, size_t mo
     return PITH_OK;
 }
 
-/* ---- where points and strokes lie ------------------------------------------------------------------------------------- */
+/* ---- where points and strokes lie -------------------------------------------------------------------------------- */
 
 static pith_status check_strokes_inside(const sampler *s, const pith_tracer *tracer, pith_error *err)
 {
@@ -239,9 +242,9 @@ static pith_status check_strokes_inside(const sampler *s, const pith_tracer *tra
         }
         for (size_t k = 0; k < c->count && status == PITH_OK; ++k)
             if (!inside[k] && !(nearest[k].distance <= outside * s->diagonal))
-                status = pith_fail(err, PITH_BAD_ARGUMENT, "depth constraint %zu: corner %zu of the stroke, (%g, %g, %g), "
-                                   "lies %g outside the model; draw it inside", i, k, c->points[k].x, c->points[k].y,
-                                   c->points[k].z, nearest[k].distance);
+                status = pith_fail(err, PITH_BAD_ARGUMENT, "depth constraint %zu: corner %zu of the stroke, (%g, %g, "
+                                   "%g), lies %g outside the model; draw it inside", i, k, c->points[k].x,
+                                   c->points[k].y, c->points[k].z, nearest[k].distance);
         pith_free(inside);
         pith_free(nearest);
     }
@@ -254,8 +257,8 @@ static pith_status contradiction(const depth_samples *samples, size_t sample, ui
     const uint32_t source = samples->sources[sample], first = source < other ? source : other;
     const bool swapped = first == other;
     const double depth = samples->depths[sample];
-    return pith_fail(err, PITH_BAD_ARGUMENT, "depth constraints %u and %u contradict each other: at (%g, %g, %g) one says "
-                     "%g and the other %g; move or remove one of them", first, swapped ? source : other,
+    return pith_fail(err, PITH_BAD_ARGUMENT, "depth constraints %u and %u contradict each other: at (%g, %g, %g) one "
+                     "says %g and the other %g; move or remove one of them", first, swapped ? source : other,
                      samples->points[sample].x, samples->points[sample].y, samples->points[sample].z,
                      swapped ? other_depth : depth, swapped ? depth : other_depth);
 }
@@ -295,7 +298,7 @@ static pith_status check_places(const sampler *s, const depth_samples *samples, 
     return status;
 }
 
-/* ---- thinning of painted faces ---------------------------------------------------------------------------------------- */
+/* ---- thinning of painted faces ----------------------------------------------------------------------------------- */
 
 typedef struct candidate {
     pith_vec3 point;
@@ -351,7 +354,7 @@ static pith_status add_face_samples(const sampler *s, depth_samples *samples, pi
     return PITH_OK;
 }
 
-/* ---- all of it ---------------------------------------------------------------------------------------------------------- */
+/* ---- all of it --------------------------------------------------------------------------------------------------- */
 
 void depth_samples_free(depth_samples *samples)
 {

@@ -4,7 +4,7 @@
 
 #include "pith/field.h"
 
-/* ---- points along polylines (polyline.c) ----------------------------------------------------------------------------- */
+/* ---- points along polylines (polyline.c) ------------------------------------------------------------------------- */
 
 /* Length of the polyline through `count` corners; an infinite or NaN length comes back as it is. */
 double polyline_length(const pith_vec3 *corners, size_t count);
@@ -15,7 +15,7 @@ void polyline_resample(const pith_vec3 *corners, size_t count, double length, si
 /* Unit tangents by central differences, one-sided at the ends; where those vanish (a hairpin) the step ahead. */
 void polyline_tangents(const pith_vec3 *points, size_t samples, pith_vec3 *tangents);
 
-/* ---- samples of the depth constraints (depth_samples.c) ---------------------------------------------------------------- */
+/* ---- samples of the depth constraints (depth_samples.c) ---------------------------------------------------------- */
 
 /* Where depth is prescribed: what the RBF interpolates. Fixed samples (points and strokes) come first. */
 typedef struct depth_samples {
@@ -30,7 +30,7 @@ pith_status depth_samples_make(const pith_tets *tets, const pith_depth_constrain
                                const pith_depth_options *options, depth_samples *samples, pith_error *err);
 void depth_samples_free(depth_samples *samples);
 
-/* ---- which vertices share an edge (adjacency.c) -------------------------------------------------------------------------- */
+/* ---- which vertices share an edge (adjacency.c) ------------------------------------------------------------------ */
 
 typedef struct adjacency {
     uint32_t vertex_count;

@@ -9,7 +9,7 @@ static const double nothing_left = 1e-4;
 /* A gradient this much smaller than the largest has no direction of its own. */
 static const double no_gradient = 1e-9;
 
-/* ---- strokes --------------------------------------------------------------------------------------------------------- */
+/* ---- strokes ----------------------------------------------------------------------------------------------------- */
 
 static pith_status check_strokes(const pith_stroke *strokes, size_t count, pith_error *err)
 {
@@ -61,7 +61,7 @@ static pith_status sample_strokes(const pith_stroke *strokes, size_t stroke_coun
     return PITH_OK;
 }
 
-/* ---- after smoothing ---------------------------------------------------------------------------------------------------- */
+/* ---- after smoothing --------------------------------------------------------------------------------------------- */
 
 /* v without its part along the unit vector n, at unit length; zero when next to nothing is left of it. Twice, because
    what the first pass leaves may be mostly rounding; the second makes it perpendicular to the last bit. */

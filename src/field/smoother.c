@@ -67,7 +67,7 @@ static double square_distance(pith_vec3 a, pith_vec3 b)
     return pith_dot(d, d);
 }
 
-/* ---- rows ------------------------------------------------------------------------------------------------------------ */
+/* ---- rows -------------------------------------------------------------------------------------------------------- */
 
 typedef struct rows {
     uint32_t count;
@@ -209,7 +209,7 @@ done:
     return status;
 }
 
-/* ---- the object --------------------------------------------------------------------------------------------------------- */
+/* ---- the object -------------------------------------------------------------------------------------------------- */
 
 static pith_status check_input(const pith_tets *tets, const pith_locator *locator, const double *depth,
                                const pith_vec3 *points, size_t count, const pith_smoothing_options *options,

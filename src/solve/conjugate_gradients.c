@@ -4,11 +4,11 @@
  * Meijerink and van der Vorst 1977 (incomplete factors); Manteuffel 1980 (the shift: squares of Laplacians are no
  * M-matrices, and without it the factorisation breaks down); Cuthill and McKee 1969 (the order of unknowns).
  *
- * The unknowns are scaled so that the matrix has a unit diagonal: the iteration then does not care how heavy single rows
- * are, and the norm of the residual treats all unknowns alike. The matrix is applied as Sᵀ(S x) + Cᵀ(C x), which reads half of what SᵀS would. The factor is kept in single
- * precision: it only has to point the way, and reading it is most of the time. Sums over all unknowns go through blocks
- * of fixed size, so the result does not depend on the number of threads. Each right-hand side has a recurrence of its
- * own and gets the bits it would get alone.
+ * The unknowns are scaled so that the matrix has a unit diagonal: the iteration then does not care how heavy single
+ * rows are, and the norm of the residual treats all unknowns alike. The matrix is applied as Sᵀ(S x) + Cᵀ(C x), which
+ * reads half of what SᵀS would. The factor is kept in single precision: it only has to point the way, and reading it is
+ * most of the time. Sums over all unknowns go through blocks of fixed size, so the result does not depend on the number
+ * of threads. Each right-hand side has a recurrence of its own and gets the bits it would get alone.
  */
 #include "solve_internal.h"
 
@@ -42,7 +42,7 @@ void cg_destroy(cg_system *system)
     pith_free(system);
 }
 
-/* ---- order of unknowns ---------------------------------------------------------------------------------------------- */
+/* ---- order of unknowns ------------------------------------------------------------------------------------------- */
 
 /* Appends everything connected with `seed` at order[first..], breadth first, giving it the mark `stamp`; returns the
    new end. Unknowns in a common row of the smoothness matrix are neighbours. */
@@ -181,7 +181,7 @@ static pith_status scale_unknowns(cg_system *system, pith_error *err)
     return sparse_transpose(&system->constrain, &system->constrain_t, err);
 }
 
-/* ---- incomplete factor ------------------------------------------------------------------------------------------------ */
+/* ---- incomplete factor ------------------------------------------------------------------------------------------- */
 
 /* Row by row: L_ik = (a_ik - Σ L_kj L_ij) / L_kk over the pattern of `lower`, with `shift` added to the unit diagonal.
    row [count] is zeroed scratch and is left so. Returns false at a pivot too small to be of use. */
@@ -271,7 +271,7 @@ pith_status cg_create(const sparse *smooth, const sparse *constrain, cg_system *
     return PITH_OK;
 }
 
-/* ---- the iteration ------------------------------------------------------------------------------------------------------ */
+/* ---- the iteration ----------------------------------------------------------------------------------------------- */
 
 /* All vectors hold `width` right-hand sides side by side: [count][width]. A round is two parallel regions and one sweep
    of a single thread through the factor; more and shorter regions would spend a busy machine's time waiting. */
@@ -424,8 +424,8 @@ static pith_status iterate(iteration *it, double tolerance, uint32_t max_iterati
         for (uint32_t k = 0; k < it->width; ++k) {
             const bool still = rr[k] <= bound[k];
             if (!still && !(pq[k] > 0.0))
-                return pith_fail(err, PITH_BAD_ARGUMENT, "the system is singular: some of its %u unknowns are not fixed "
-                                 "by any row; add constraints", it->system->count);
+                return pith_fail(err, PITH_BAD_ARGUMENT, "the system is singular: some of its %u unknowns are not "
+                                 "fixed by any row; add constraints", it->system->count);
             step[k] = still ? 0.0 : rz[k] / pq[k];
         }
         advance(it, step, rr);

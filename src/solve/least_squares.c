@@ -3,8 +3,9 @@
  * Chen, Davis, Hager and Rajamanickam, "Algorithm 887: CHOLMOD", ACM TOMS 35(3), 2008.
  *
  * CHOLMOD's dense parts run on OpenBLAS, which for another number of threads cuts its products differently and rounds
- * differently; a factor must not depend on that, so it is made by one BLAS thread (see solve_blas_enter). The order of
- * unknowns comes from METIS, which starts its random numbers from a fixed seed at every call.
+ * differently: with one and with two, factors of the same 39 304 unknowns gave solutions of different bits. So factors
+ * are made by one BLAS thread (see solve_blas_enter): half the speed on two idle cores at worst, and no slower on busy
+ * ones. The order of unknowns comes from METIS, which starts its random numbers from a fixed seed at every call.
  */
 #include "solve_internal.h"
 
@@ -52,7 +53,7 @@ struct pith_least_squares {
    constraint on a mesh of 50 000 vertices, is above 1e-9. */
 static const double smallest_pivot = 1e-13;
 
-/* ---- direct --------------------------------------------------------------------------------------------------------- */
+/* ---- direct ------------------------------------------------------------------------------------------------------ */
 
 static void start_common(cholmod_common *common, uint32_t unknowns)
 {
@@ -200,7 +201,7 @@ done:
     return status;
 }
 
-/* ---- conjugate gradients ------------------------------------------------------------------------------------------- */
+/* ---- conjugate gradients ----------------------------------------------------------------------------------------- */
 
 /* Solves for right-hand sides first .. first + width - 1. */
 static pith_status solve_iterative(const pith_least_squares *system, const double *b, uint32_t width, double *x,
@@ -230,7 +231,7 @@ done:
     return status;
 }
 
-/* ---- the object ------------------------------------------------------------------------------------------------------- */
+/* ---- the object -------------------------------------------------------------------------------------------------- */
 
 static pith_status check_shapes(const pith_sparse_view *smooth, const pith_sparse_view *constrain, pith_error *err)
 {

@@ -22,7 +22,7 @@ static pith_status sparse_allocate(uint32_t rows, uint32_t columns, size_t entri
     return PITH_OUT_OF_MEMORY(err, "a sparse matrix");
 }
 
-/* ---- copies ------------------------------------------------------------------------------------------------------- */
+/* ---- copies ------------------------------------------------------------------------------------------------------ */
 
 static pith_status check_view(const pith_sparse_view *view, const char *name, pith_error *err)
 {
@@ -38,9 +38,9 @@ static pith_status check_view(const pith_sparse_view *view, const char *name, pi
     for (uint32_t row = 0; row < view->row_count; ++row)
         for (uint32_t e = view->start[row]; e < view->start[row + 1]; ++e)
             if (view->columns[e] >= view->column_count || !isfinite(view->values[e]))
-                return pith_fail(err, PITH_BAD_ARGUMENT, "the %s matrix has the entry %g in row %u, column %u; expected "
-                                 "a finite number in one of %u columns", name, view->values[e], row, view->columns[e],
-                                 view->column_count);
+                return pith_fail(err, PITH_BAD_ARGUMENT, "the %s matrix has the entry %g in row %u, column %u; "
+                                 "expected a finite number in one of %u columns", name, view->values[e], row,
+                                 view->columns[e], view->column_count);
     return PITH_OK;
 }
 
@@ -99,7 +99,7 @@ pith_status sparse_transpose(const sparse *matrix, sparse *transposed, pith_erro
     return PITH_OK;
 }
 
-/* ---- the normal matrix ---------------------------------------------------------------------------------------------- */
+/* ---- the normal matrix ------------------------------------------------------------------------------------------- */
 
 /* One row of the lower triangle of SᵀS + CᵀC while it is gathered: value[] and mark[] by column, touched in order. */
 typedef struct gatherer {
@@ -269,7 +269,7 @@ void sparse_scatter(const sparse *inner, sparse *outer)
     }
 }
 
-/* ---- products ------------------------------------------------------------------------------------------------------- */
+/* ---- products ---------------------------------------------------------------------------------------------------- */
 
 /* Inlined with a constant width, so that the inner loops disappear. */
 static inline __attribute__((always_inline)) void multiply_rows(const sparse *m, uint32_t first, uint32_t last,

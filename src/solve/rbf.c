@@ -34,7 +34,7 @@ struct pith_rbf {
     rbf_kernel *kernel;
 };
 
-/* ---- evaluation ------------------------------------------------------------------------------------------------- */
+/* ---- evaluation -------------------------------------------------------------------------------------------------- */
 
 static void evaluate_one(const pith_rbf *rbf, rbf_kernel *kernel, pith_vec3 point, double *value, pith_vec3 *gradient)
 {
@@ -73,7 +73,7 @@ void pith_rbf_evaluate_reference(const pith_rbf *rbf, const pith_vec3 *points, s
         evaluate_one(rbf, rbf_kernel_scalar, points[i], values ? values + i : NULL, gradients ? gradients + i : NULL);
 }
 
-/* ---- input: checks, merging, scaling ------------------------------------------------------------------------------ */
+/* ---- input: checks, merging, scaling ----------------------------------------------------------------------------- */
 
 typedef struct keyed { double key; size_t index; } keyed;
 
@@ -155,7 +155,7 @@ static pith_status allocate_centres(size_t count, pith_rbf *rbf, pith_error *err
     return PITH_OK;
 }
 
-/* ---- the affine functions that the layout can tell apart ---------------------------------------------------------- */
+/* ---- the affine functions that the layout can tell apart --------------------------------------------------------- */
 
 /* basis [count][4] is orthonormal, its first column constant; column k belongs to the affine function
    (axis[k]·p + offset[k]). */
@@ -244,7 +244,7 @@ static void project(const affine_basis *basis, size_t count, double *x)
         for (int k = 0; k < RBF_MOST_BASIS; ++k) x[i] -= basis->column[i][k] * along[k];
 }
 
-/* ---- the system ----------------------------------------------------------------------------------------------------- */
+/* ---- the system -------------------------------------------------------------------------------------------------- */
 
 /* y = (K + smoothing I) x, with K's entries made anew by the evaluation kernel: K itself is overwritten by its factor.
    The weights of rbf are scratch. */
@@ -429,7 +429,7 @@ done:
     return status;
 }
 
-/* ---- create --------------------------------------------------------------------------------------------------------- */
+/* ---- create ------------------------------------------------------------------------------------------------------ */
 
 /* Scales the points that stay into the unit box, and solves. */
 static pith_status build(pith_rbf *rbf, const pith_vec3 *points, const double *values, const size_t *keep, size_t kept,

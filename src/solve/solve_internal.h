@@ -5,7 +5,7 @@
 
 #include "pith/solve.h"
 
-/* ---- OpenBLAS, one thread at a time (dense.c) ---------------------------------------------------------------------- */
+/* ---- OpenBLAS, one thread at a time (dense.c) -------------------------------------------------------------------- */
 
 /* Between these two every BLAS call of this process runs on the thread that makes it. Calls may nest and overlap.
    Why: OpenBLAS cuts a product differently for each number of threads, and with other cuts come other roundings: a
@@ -20,7 +20,7 @@ bool solve_dense_cholesky(double *a, size_t n);
 /* x := (L Lᵀ)⁻¹ x. */
 void solve_dense_back(const double *l, size_t n, double *x);
 
-/* ---- RBF kernels (rbf_kernels.c) ------------------------------------------------------------------------------------- */
+/* ---- RBF kernels (rbf_kernels.c) --------------------------------------------------------------------------------- */
 
 enum { RBF_LANES = 8 }; /* centre i is summed in lane i % 8, the lanes pairwise at the end: the same in every kernel */
 
@@ -38,7 +38,7 @@ enum { RBF_KERNELS = 3 };
 /* The kernels this processor can run, slowest first; the scalar one is always there. Returns how many. */
 size_t rbf_kernels_here(rbf_kernel *kernels[RBF_KERNELS], const char *names[RBF_KERNELS]);
 
-/* ---- sparse matrices (normal.c) -------------------------------------------------------------------------------------- */
+/* ---- sparse matrices (normal.c) ---------------------------------------------------------------------------------- */
 
 /* Compressed rows that own their arrays; columns ascend within a row and occur once. */
 typedef struct sparse {
@@ -63,7 +63,7 @@ void sparse_scatter(const sparse *inner, sparse *outer);
 void sparse_multiply(const sparse *matrix, uint32_t first, uint32_t last, uint32_t width, const double *x, double *y,
                      bool add);
 
-/* ---- conjugate gradients (conjugate_gradients.c) ---------------------------------------------------------------------- */
+/* ---- conjugate gradients (conjugate_gradients.c) ----------------------------------------------------------------- */
 
 typedef struct cg_system cg_system;
 

@@ -51,7 +51,7 @@ static field solve(const pith_tets *tets, const pith_depth_constraint *constrain
     return f;
 }
 
-/* ---- answers that are known -------------------------------------------------------------------------------------------- */
+/* ---- answers that are known -------------------------------------------------------------------------------------- */
 
 static void depths_that_are_affine_come_back_exactly(void **state)
 {
@@ -239,7 +239,7 @@ static void scale_threads_and_repetition_do_not_matter(void **state)
     field_free(plain);
 }
 
-/* ---- refusals -------------------------------------------------------------------------------------------------------- */
+/* ---- refusals ---------------------------------------------------------------------------------------------------- */
 
 static pith_tets *refused_tets;
 
@@ -325,7 +325,7 @@ static void running_out_of_memory_leaves_the_arrays_alone(void **state)
     pith_tets_destroy(tets);
 }
 
-/* ---- polylines ------------------------------------------------------------------------------------------------------- */
+/* ---- polylines --------------------------------------------------------------------------------------------------- */
 
 static void resampling_walks_at_equal_steps(void **state)
 {

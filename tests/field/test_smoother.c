@@ -16,7 +16,7 @@ static void random_inside(pith_vec3 *points, size_t count, uint64_t seed)
     }
 }
 
-/* ---- the energy, written down plainly ----------------------------------------------------------------------------------- */
+/* ---- the energy, written down plainly ---------------------------------------------------------------------------- */
 
 static double mean_edge_of(const pith_tets_view *view, const bool *adjacent)
 {
@@ -116,7 +116,8 @@ static void smoothing_matches_a_dense_solve(void **state)
     random_inside(points, P, 3);
     pith_rng rng = pith_rng_make(4, 4);
     for (size_t i = 0; i < 2 * P; ++i) values[i] = pith_rng_normal(&rng);
-    for (uint32_t v = 0; v < N; ++v) depth[v] = 1 - 2 * fmax(fabs(view.positions[v].x - 0.5), fabs(view.positions[v].y - 0.5));
+    for (uint32_t v = 0; v < N; ++v)
+        depth[v] = 1 - 2 * fmax(fabs(view.positions[v].x - 0.5), fabs(view.positions[v].y - 0.5));
     const double lambdas[KINDS][3] = { { 0, 0, 1 }, { 0.5, 0, 1 }, { 0.5, 15, 1 }, { 0.5, 15, 0 } };
     for (int kind = 0; kind < KINDS; ++kind) {
         pith_smoothing_options options = pith_smoothing_options_default();
@@ -253,7 +254,7 @@ static void smoothing_refuses_what_it_cannot_do(void **state)
     pith_tets_destroy(tets);
 }
 
-/* ---- secondary directions ------------------------------------------------------------------------------------------------ */
+/* ---- secondary directions ---------------------------------------------------------------------------------------- */
 
 typedef struct directions {
     pith_tets *tets;

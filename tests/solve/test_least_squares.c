@@ -121,7 +121,7 @@ static pith_least_squares *make(const builder *s, const builder *c, const pith_s
     return system;
 }
 
-/* ---- right answers -------------------------------------------------------------------------------------------------- */
+/* ---- right answers ----------------------------------------------------------------------------------------------- */
 
 static void both_methods_match_elimination(void **state)
 {
@@ -209,7 +209,7 @@ static void no_constraint_rows_will_do_when_smoothness_has_full_rank(void **stat
     }
 }
 
-/* ---- reuse ------------------------------------------------------------------------------------------------------------ */
+/* ---- reuse ------------------------------------------------------------------------------------------------------- */
 
 static void new_constraints_equal_a_fresh_system(void **state)
 {
@@ -265,7 +265,7 @@ static void failed_new_constraints_leave_the_old_ones_working(void **state)
     }
 }
 
-/* ---- determinism -------------------------------------------------------------------------------------------------------- */
+/* ---- determinism ------------------------------------------------------------------------------------------------- */
 
 static uint64_t hash_of_solution(uint32_t method, int threads, int blas_threads)
 {
@@ -303,7 +303,7 @@ static void threads_do_not_change_a_bit(void **state)
     }
 }
 
-/* ---- refusals ------------------------------------------------------------------------------------------------------------- */
+/* ---- refusals ---------------------------------------------------------------------------------------------------- */
 
 static void singular_systems_are_named_so(void **state)
 {

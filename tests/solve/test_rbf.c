@@ -19,7 +19,7 @@ static void random_points(pith_vec3 *points, size_t count, uint64_t seed)
 
 static double wave(pith_vec3 p) { return sin(4 * p.x) * cos(3 * p.y) + p.z * p.z; }
 
-/* ---- closed forms ------------------------------------------------------------------------------------------------- */
+/* ---- closed forms ------------------------------------------------------------------------------------------------ */
 
 static void affine_data_are_exact_at_any_scale(void **state)
 {
@@ -129,7 +129,7 @@ static void a_plane_leaves_the_normal_undetermined_and_flat(void **state)
     }
 }
 
-/* ---- against the saddle system in long double --------------------------------------------------------------------------- */
+/* ---- against the saddle system in long double -------------------------------------------------------------------- */
 
 /* Solves (K + smoothing) w + P a = f, Pᵀ w = 0 by elimination; solution = w, then a0, ax, ay, az. */
 static void solve_saddle(const pith_vec3 *points, const double *values, size_t n, double smoothing,
@@ -231,7 +231,7 @@ static void gradients_match_finite_differences(void **state)
     pith_rbf_destroy(rbf);
 }
 
-/* ---- invariances ------------------------------------------------------------------------------------------------------ */
+/* ---- invariances ------------------------------------------------------------------------------------------------- */
 
 static pith_vec3 turn(pith_vec3 p) /* a rotation: columns (2,2,1), (-2,1,2), (1,-2,2) over 3 */
 {
@@ -333,7 +333,7 @@ static void threads_do_not_change_a_bit(void **state)
     assert_int_equal(hash_of_field(1, 3), one);
 }
 
-/* ---- many, close, wrong ------------------------------------------------------------------------------------------------ */
+/* ---- many, close, wrong ------------------------------------------------------------------------------------------ */
 
 static void two_thousand_points_are_all_met(void **state)
 {
