@@ -50,6 +50,9 @@ static inline size_t pith_table_size(size_t entries)
 pith_status pith_tets_adopt(pith_vec3 *positions, uint32_t vertex_count, uint32_t (*corners)[4], uint32_t tet_count,
                             pith_tets **tets, pith_error *err);
 
+/* Renumbers tetrahedra along a space-filling curve, and vertices from keep_first on in the order of their first use. */
+pith_status pith_tets_order(pith_tets *tets, uint32_t keep_first, pith_error *err);
+
 /* neighbours[t][k] across the face opposite corner k. PITH_BAD_MESH for a face in more than two tets. Expected O(n). */
 pith_status pith_tets_link(const uint32_t (*corners)[4], uint32_t tet_count, uint32_t (*neighbours)[4],
                            pith_error *err);

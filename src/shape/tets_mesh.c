@@ -422,9 +422,15 @@ pith_status pith_tets_mesh(const pith_mesh *surface, const pith_vec3 *interior, 
     uint32_t used = 0;
     pith_status status = prepare(&f, surface, err);
     if (status == PITH_OK) status = fill_with(&f, options->mesher, &used, why, sizeof why, &made, err);
+    /* TetGen's mesh begins with the surface's vertices; they keep their places. */
+    if (status == PITH_OK)
+        status = pith_tets_order(made, used == PITH_MESHER_TETGEN ? f.view.vertex_count : 0, err);
     pith_winding_destroy(f.winding);
     pith_mesh_destroy(f.surface);
-    if (status != PITH_OK) return status;
+    if (status != PITH_OK) {
+        pith_tets_destroy(made);
+        return status;
+    }
     pith_tets_measure(made, &made_report);
     made_report.mesher = used;
     memcpy(made_report.why, why, sizeof why);

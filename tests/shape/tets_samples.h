@@ -120,6 +120,10 @@ static inline void sample_check_tets(const pith_tets *tets, double volume_tolera
         if (!(own > 0.0)) fail_msg("tet %u has the volume %g", t, own);
         volume += own;
     }
+    pith_tets *again = NULL; /* links anew */
+    CHECK_OK(pith_tets_create(&view, &again, &err));
+    assert_memory_equal(pith_tets_look(again).neighbours, view.neighbours, view.tet_count * sizeof *view.neighbours);
+    pith_tets_destroy(again);
     pith_mesh *surface = NULL;
     pith_mesh_report report;
     CHECK_OK(pith_tets_surface(tets, &surface, NULL, NULL, &err));
