@@ -137,6 +137,13 @@ static inline void pith_box_add(pith_box *box, pith_vec3 p)
 /** Box of count points; empty for count 0. */
 pith_box pith_box_of(const pith_vec3 *points, size_t count);
 
+/* ---- colour ---------------------------------------------------------------------------------------------------- */
+
+/** sRGB transfer function, IEC 61966-2-1: a stored colour value to a linear one and back; both clamp to 0..1, NaN gives
+ *  0. Used at file borders only. */
+float pith_srgb_decode(double encoded);
+float pith_srgb_encode(double linear);
+
 /* ---- random numbers ------------------------------------------------------------------------------------------ */
 
 /** PCG32 (O'Neill, "PCG: A Family of Simple Fast Space-Efficient Statistically Good Algorithms", 2014): small state,

@@ -20,9 +20,6 @@ pith_status pith_image_read(const char *path, pith_image **image, pith_error *er
 pith_status pith_image_decode(const char *name, const void *bytes, size_t size, pith_image **image, pith_error *err);
 /** .png (8 bit, deterministic bytes) or .jpg (quality 1..100); values are clamped, colour encoded to sRGB. */
 pith_status pith_image_write(const pith_image *image, const char *path, int jpeg_quality, pith_error *err);
-/** sRGB transfer function, IEC 61966-2-1; both clamp to 0..1. */
-float pith_srgb_decode(float encoded);
-float pith_srgb_encode(float linear);
 
 /** Cell-centred samples on a regular grid: sample (i,j,k) lies at origin + spacing * (i+½, j+½, k+½); i is fastest. */
 typedef struct pith_grid {

@@ -31,21 +31,6 @@ void pith_image_destroy(pith_image *image)
     pith_free(image);
 }
 
-/* ---- sRGB ---------------------------------------------------------------------------------------------------- */
-
-/* IEC 61966-2-1. In double, because the two branches must meet where the standard says they do. */
-float pith_srgb_decode(float encoded)
-{
-    const double v = encoded > 0.0f ? (encoded < 1.0f ? (double)encoded : 1.0) : 0.0; /* NaN becomes 0 */
-    return (float)(v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4));
-}
-
-float pith_srgb_encode(float linear)
-{
-    const double v = linear > 0.0f ? (linear < 1.0f ? (double)linear : 1.0) : 0.0;
-    return (float)(v <= 0.0031308 ? v * 12.92 : 1.055 * pow(v, 1.0 / 2.4) - 0.055);
-}
-
 /* ---- files --------------------------------------------------------------------------------------------------- */
 
 pith_status image_check_claim(const char *name, uint64_t width, uint64_t height, double pixels_per_byte, size_t size,

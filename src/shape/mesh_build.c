@@ -42,16 +42,6 @@ void mesh_builder_free(mesh_builder *builder)
     pith_free(builder->triangles);
 }
 
-float mesh_srgb_decode(double encoded)
-{
-    return (float)(encoded <= 0.04045 ? encoded / 12.92 : pow((encoded + 0.055) / 1.055, 2.4));
-}
-
-float mesh_srgb_encode(double linear)
-{
-    return (float)(linear <= 0.0031308 ? linear * 12.92 : 1.055 * pow(linear, 1.0 / 2.4) - 0.055);
-}
-
 /* NaN becomes 0 too. */
 static float clamp_unit(float value) { return value > 0.0f ? (value < 1.0f ? value : 1.0f) : 0.0f; }
 

@@ -47,10 +47,6 @@ pith_status mesh_builder_polygon(mesh_builder *builder, const uint32_t *corners,
 pith_status mesh_builder_finish(const mesh_builder *builder, pith_mesh **mesh, pith_error *err);
 void mesh_builder_free(mesh_builder *builder);
 
-/* IEC 61966-2-1, both ways, on 0..1. */
-float mesh_srgb_decode(double encoded);
-float mesh_srgb_encode(double linear);
-
 /* ---- mesh_text.c: numbers and words from text, independent of the locale ----------------------------------------- */
 
 typedef struct mesh_text {

@@ -61,7 +61,7 @@ static pith_status read_position(obj_file *obj, pith_error *err)
     *vertex = (mesh_vertex){ .position = pith_v3(n[0], n[1], n[2]), .colour = { 1, 1, 1, 1 } };
     const int first = count == 7 || count == 8 ? 4 : 3; /* x y z w r g b: a weight stands before the colour */
     if (count >= first + 3) {
-        for (int k = 0; k < 3; ++k) vertex->colour[k] = mesh_srgb_decode(n[first + k]);
+        for (int k = 0; k < 3; ++k) vertex->colour[k] = pith_srgb_decode(n[first + k]);
         obj->colours = true;
     }
     return PITH_OK;
@@ -283,7 +283,7 @@ pith_status mesh_write_obj(const pith_mesh_view *view, mesh_bytes *bytes, pith_e
         write_vector(bytes, "v", view->positions[v]);
         for (int k = 0; view->colours && k < 3; ++k) {
             mesh_bytes_text(bytes, " ");
-            mesh_bytes_float(bytes, mesh_srgb_encode(view->colours[v][k]));
+            mesh_bytes_float(bytes, pith_srgb_encode(view->colours[v][k]));
         }
         mesh_bytes_text(bytes, "\n");
     }

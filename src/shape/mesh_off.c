@@ -95,7 +95,7 @@ static void scale_colours(const off_file *off, mesh_builder *builder)
     const bool bytes = off->largest_colour > 1.0;
     for (size_t v = 0; off->colours && v < builder->vertex_count; ++v) {
         float *colour = builder->vertices[v].colour;
-        for (int k = 0; bytes && k < 3; ++k) colour[k] = mesh_srgb_decode(fmin(colour[k], 255.0) / 255.0);
+        for (int k = 0; bytes && k < 3; ++k) colour[k] = pith_srgb_decode(fmin(colour[k], 255.0) / 255.0);
         colour[3] = isnan(colour[3]) ? 1.0f : bytes ? colour[3] / 255.0f : colour[3];
     }
 }

@@ -334,7 +334,7 @@ static pith_status add_vertex(const ply_file *ply, const ply_element *element, u
         if (property->role < ROLE_RED || property->role > ROLE_ALPHA || property->list) continue;
         const double value = values[property->role] / types[property->type].largest;
         const bool encoded = property->type < PLY_F32 && property->role != ROLE_ALPHA;
-        vertex.colour[property->role - ROLE_RED] = encoded ? mesh_srgb_decode(value) : (float)value;
+        vertex.colour[property->role - ROLE_RED] = encoded ? pith_srgb_decode(value) : (float)value;
     }
     return mesh_builder_vertex(builder, &vertex, err);
 }
@@ -415,7 +415,7 @@ pith_status mesh_write_ply(const pith_mesh_view *view, mesh_bytes *bytes, pith_e
         }
         if (view->colours) {
             unsigned char rgba[4] = { 0, 0, 0, to_byte((double)view->colours[v][3]) };
-            for (int k = 0; k < 3; ++k) rgba[k] = to_byte((double)mesh_srgb_encode(view->colours[v][k]));
+            for (int k = 0; k < 3; ++k) rgba[k] = to_byte((double)pith_srgb_encode((double)view->colours[v][k]));
             mesh_bytes_add(bytes, rgba, sizeof rgba);
         }
         for (int k = 0; view->texcoords && k < 2; ++k) mesh_bytes_f32(bytes, view->texcoords[v][k]);
