@@ -3,6 +3,7 @@
    all the way to s = 1, else skin and core could never be covered. */
 #include "lapped_internal.h"
 
+#include <complex.h>
 #include <string.h>
 
 /* Where the outer and the inner mask begin to round off: further out (in) they do not depend on s. */
@@ -10,33 +11,53 @@ static const double outer_flat = 0.25, inner_flat = 0.75;
 
 int lapped_mask_kind(double depth) { return depth < 1.0 / 3.0 ? MASK_OUTER : depth < 2.0 / 3.0 ? MASK_MIDDLE : MASK_INNER; }
 
-/* Smooth unevenness in -1..1 over texture space: a few plane waves of random direction and phase. */
-static double unevenness(const double p[3], uint64_t seed)
+enum { WAVES = 6 };
+
+/* Smooth unevenness over texture space: a few plane waves of random direction and phase. A wave is a product of three
+   factors exp(i k x) of one coordinate each, so a table per axis replaces a sine per cell. */
+typedef struct mask_waves { double complex along[WAVES][3][MASK_SIZE], start[WAVES]; } mask_waves;
+
+/* Coordinates of cell centres relative to the splotch's middle; the outer and inner masks do not see s beyond theirs. */
+static double cell_offset(int kind, int axis, int cell)
 {
-    double sum = 0.0;
-    for (uint64_t wave = 0; wave < 6; ++wave) {
-        pith_rng rng = pith_rng_make(seed, 1000 + wave);
-        const pith_vec3 direction = pith_rng_direction(&rng);
-        const double phase = 2.0 * M_PI * pith_rng_unit(&rng), frequency = 9.0 + 8.0 * pith_rng_unit(&rng);
-        sum += sin(frequency * (p[0] * direction.x + p[1] * direction.y + p[2] * direction.z) + phase);
-    }
-    return fmax(-1.0, fmin(1.0, sum / 3.0));
+    const double at = (cell + 0.5) / MASK_SIZE;
+    if (axis != 1 || kind == MASK_MIDDLE) return at - 0.5;
+    return kind == MASK_OUTER ? fmax(at - outer_flat, 0.0) : fmin(at - inner_flat, 0.0);
 }
 
-/* Alpha of one mask at (r, s, t): 1 in the middle, falling over drop_off where the distance from the middle, measured
-   in the 4-norm (between a ball and a box: fewer patches for the same overlap), reaches the uneven radius. */
-static double splotch(int kind, double r, double s, double t, const pith_lapped_options *options)
+static void make_waves(mask_waves *waves, int kind, uint64_t seed)
 {
-    double q[3] = { r - 0.5, s - 0.5, t - 0.5 };
-    if (kind == MASK_OUTER) q[1] = fmax(s - outer_flat, 0.0);
-    if (kind == MASK_INNER) q[1] = fmin(s - inner_flat, 0.0);
-    const double x = q[0] * q[0], y = q[1] * q[1], z = q[2] * q[2];
-    const double distance = sqrt(sqrt(x * x + y * y + z * z));
-    /* Unevenness only pulls the outline in, so that mask_radius stays the outermost extent. */
-    const double uneven = 0.5 + 0.5 * unevenness(q, options->seed + (uint64_t)kind);
+    for (int w = 0; w < WAVES; ++w) {
+        pith_rng rng = pith_rng_make(seed + (uint64_t)kind, 1000 + (uint64_t)w);
+        const pith_vec3 direction = pith_rng_direction(&rng);
+        const double phase = 2.0 * M_PI * pith_rng_unit(&rng), frequency = 9.0 + 8.0 * pith_rng_unit(&rng);
+        const double pitch[3] = { frequency * direction.x, frequency * direction.y, frequency * direction.z };
+        waves->start[w] = cos(phase) + I * sin(phase);
+        for (int axis = 0; axis < 3; ++axis)
+            for (int i = 0; i < MASK_SIZE; ++i) {
+                const double angle = pitch[axis] * cell_offset(kind, axis, i);
+                waves->along[w][axis][i] = cos(angle) + I * sin(angle);
+            }
+    }
+}
+
+/* Alpha of one mask in the cell (i, j, k) of (r, s, t): 1 in the middle, falling over drop_off where the distance from
+   the middle, measured in the 4-norm (between a ball and a box: fewer patches for the same overlap), reaches the uneven
+   radius. Unevenness only pulls the outline in, so that mask_radius stays the outermost extent. */
+static double splotch(const mask_waves *waves, int kind, const int cell[3], const pith_lapped_options *options)
+{
+    double fourth = 0.0, sum = 0.0;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double q = cell_offset(kind, axis, cell[axis]);
+        fourth += q * q * q * q;
+    }
+    for (int w = 0; w < WAVES; ++w)
+        sum += cimag(waves->start[w] * waves->along[w][0][cell[0]] * waves->along[w][1][cell[1]] *
+                     waves->along[w][2][cell[2]]);
+    const double uneven = 0.5 + 0.5 * fmax(-1.0, fmin(1.0, sum / 3.0));
     const double radius = options->mask_radius * (1.0 - options->roughness * uneven);
-    const double x01 = fmax(0.0, fmin(1.0, (radius - distance) / options->drop_off));
-    return x01 * x01 * (3.0 - 2.0 * x01);
+    const double unit = fmax(0.0, fmin(1.0, (radius - sqrt(sqrt(fourth))) / options->drop_off));
+    return unit * unit * (3.0 - 2.0 * unit);
 }
 
 /* Extremes over the cells that trilinear lookups inside block (bi, bj, bk) can touch. */
@@ -57,13 +78,13 @@ static void block_extremes(lapped_masks *masks, int kind, int bi, int bj, int bk
 
 static void mask_make(lapped_masks *masks, int kind, const pith_lapped_options *options)
 {
-    const double cell = 1.0 / MASK_SIZE;
-#pragma omp parallel for num_threads(pith_threads()) schedule(static)
+    mask_waves waves;
+    make_waves(&waves, kind, options->seed);
     for (int k = 1; k < MASK_SIZE - 1; ++k) /* the border in r and t stays 0: nothing ends at the texture's edge */
         for (int j = 0; j < MASK_SIZE; ++j)
             for (int i = 1; i < MASK_SIZE - 1; ++i) {
-                const double a = splotch(kind, (i + 0.5) * cell, (j + 0.5) * cell, (k + 0.5) * cell, options);
-                masks->alpha[kind][k][j][i] = (uint8_t)(255.0 * a + 0.5);
+                const double alpha = splotch(&waves, kind, (const int[3]){ i, j, k }, options);
+                masks->alpha[kind][k][j][i] = (uint8_t)(255.0 * alpha + 0.5);
             }
     for (int bk = 0; bk < MASK_BLOCKS; ++bk)
         for (int bj = 0; bj < MASK_BLOCKS; ++bj)
@@ -73,6 +94,7 @@ static void mask_make(lapped_masks *masks, int kind, const pith_lapped_options *
 void lapped_masks_make(lapped_masks *masks, const pith_lapped_options *options)
 {
     memset(masks, 0, sizeof *masks);
+#pragma omp parallel for num_threads(pith_threads()) schedule(dynamic, 1)
     for (int kind = 0; kind < MASK_KINDS; ++kind) mask_make(masks, kind, options);
 }
 
