@@ -433,7 +433,7 @@ static pith_status iterate(iteration *it, double tolerance, uint32_t max_iterati
 }
 
 pith_status cg_solve(const cg_system *system, uint32_t width, const double *right, double tolerance,
-                     uint32_t max_iterations, double *x, uint32_t *iterations, pith_error *err)
+                     uint32_t max_iterations, int threads, double *x, uint32_t *iterations, pith_error *err)
 {
     const uint32_t n = system->count, chunks = chunks_of(n);
     const size_t size = (size_t)n * width;
@@ -442,9 +442,7 @@ pith_status cg_solve(const cg_system *system, uint32_t width, const double *righ
                      .ahead = block + 2 * size, .product = block + 3 * size, .preconditioned = block + 4 * size,
                      .smooth_rows = pith_alloc((size_t)system->smooth.rows * width, sizeof(double)),
                      .constrain_rows = pith_alloc((size_t)system->constrain.rows * width, sizeof(double)),
-                     .partial = pith_alloc(chunks, sizeof *it.partial),
-                     /* A short loop is over before a second thread has woken. */
-                     .threads = chunks > 8 ? pith_threads() : 1 };
+                     .partial = pith_alloc(chunks, sizeof *it.partial), .threads = threads };
     pith_status status = PITH_OK;
     if (!block || !it.smooth_rows || !it.constrain_rows || !it.partial) {
         status = PITH_OUT_OF_MEMORY(err, "conjugate gradients");

@@ -203,6 +203,11 @@ done:
 
 /* ---- conjugate gradients ----------------------------------------------------------------------------------------- */
 
+/* Unknowns from which conjugate gradients take several threads. Most of an iteration is a sweep that one thread does
+   alone, so a second gains a fifth at best; and where other programs keep the processors busy, its waiting at every
+   iteration made systems of 40 000 unknowns four times slower. */
+static const uint32_t parallel_from = 131072;
+
 /* Solves for right-hand sides first .. first + width - 1. */
 static pith_status solve_iterative(const pith_least_squares *system, const double *b, uint32_t width, double *x,
                                    pith_error *err)
@@ -221,7 +226,7 @@ static pith_status solve_iterative(const pith_least_squares *system, const doubl
         for (uint32_t i = 0; i < n; ++i) right[(size_t)i * width + k] = one[i];
     }
     PITH_TRY_OR(done, cg_solve(system->cg, width, right, system->options.tolerance, system->options.max_iterations,
-                               found, NULL, err));
+                               n > parallel_from ? pith_threads() : 1, found, NULL, err));
     for (uint32_t k = 0; k < width; ++k)
         for (uint32_t i = 0; i < n; ++i) x[(size_t)k * n + i] = found[(size_t)i * width + k];
 done:

@@ -70,8 +70,9 @@ typedef struct cg_system cg_system;
 /* Prepares (SᵀS + CᵀC) x = r; the matrices are borrowed. */
 pith_status cg_create(const sparse *smooth, const sparse *constrain, cg_system **system, pith_error *err);
 void cg_destroy(cg_system *system);
-/* right [n][width] is read, x [n][width] is written; width 1..4. iterations may be NULL. */
+/* right [n][width] is read, x [n][width] is written; width 1..4; threads never changes the result. iterations may be
+   NULL. */
 pith_status cg_solve(const cg_system *system, uint32_t width, const double *right, double tolerance,
-                     uint32_t max_iterations, double *x, uint32_t *iterations, pith_error *err);
+                     uint32_t max_iterations, int threads, double *x, uint32_t *iterations, pith_error *err);
 
 #endif
