@@ -47,6 +47,7 @@ typedef struct pith_lapped_options {
     double roughness;       /* unevenness of the splotch's outline, fraction of its radius */
     double angle_limit;     /* a clump stops where the frame has turned this far from the seed's, degrees */
     double scale_bound;     /* texture scale is at most this many times its median over the mesh */
+    double scale_floor;     /* and at least this many times; thin ends would need endlessly many small patches */
     double tolerance;       /* conjugate gradients of the texture optimisation: relative residual */
     uint32_t regrow_limit;  /* rounds of re-growing and optimising again per patch */
     bool jitter;            /* shift the exemplar at random along r and t (it must tile there) */

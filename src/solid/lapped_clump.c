@@ -80,9 +80,7 @@ static bool touches_mask(const lapped_context *context, int mask, const double (
             high[axis] = fmax(high[axis], at[axis]);
         }
     }
-    int least, greatest;
-    lapped_mask_bounds(context->masks, mask, low, high, &least, &greatest);
-    return greatest > 0;
+    return lapped_mask_over(context->masks, mask, low, high) != VERDICT_NONE;
 }
 
 /* Adds a tet whose corners have the given coordinates; corners that are new to the clump become local vertices. */

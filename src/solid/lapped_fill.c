@@ -28,6 +28,8 @@ static const pith_param lapped_items[] = {
       10, 60, 85, AT(angle_limit), NULL },
     { "scale_bound", "1", "largest texture scale, in units of the model's median scale", PITH_PARAM_DOUBLE, 1, 2, 20,
       AT(scale_bound), NULL },
+    { "scale_floor", "1", "smallest texture scale, in units of the model's median scale; less means finer patches where the "
+      "model is thin", PITH_PARAM_DOUBLE, 0.05, 0.5, 1, AT(scale_floor), NULL },
     { "tolerance", "1", "relative residual at which the texture optimisation stops", PITH_PARAM_DOUBLE, 1e-10, 1e-3,
       0.1, AT(tolerance), NULL },
     { "regrow_limit", "1", "most rounds of adding lacking tets to a clump and optimising again", PITH_PARAM_UINT, 0, 6,
@@ -174,14 +176,12 @@ typedef struct fill {
     paste_node *nodes;
     uint32_t *top;          /* [tet_count] topmost node of each tet */
     size_t node_count, node_capacity;
-    uint8_t *verdicts;      /* per clump tet: what the patch does there */
+    uint8_t *verdicts;      /* per clump tet: what the patch does there, a lapped_verdict */
     size_t verdict_capacity;
     lapped_patch *patches;
     size_t patch_count, patch_capacity;
     size_t clump_tets, regrown;
 } fill;
-
-enum { VERDICT_NONE, VERDICT_PART, VERDICT_OPAQUE }; /* the patch in one tet: not at all, somewhere, all of it opaque */
 
 /* Texture coordinates of a clump tet's corners. */
 static lapped_entry entry_of(const lapped_workspace *work, size_t index, uint32_t patch)
@@ -212,11 +212,10 @@ static uint8_t cover_tet(fill *self, const lapped_workspace *work, size_t index)
         }
         whole = whole && entry.fade[k];
     }
-    int least, greatest;
-    lapped_mask_bounds(self->context.masks, work->seed.mask, low, high, &least, &greatest);
-    if (greatest == 0) return VERDICT_NONE;
+    const lapped_verdict verdict = lapped_mask_over(self->context.masks, work->seed.mask, low, high);
+    if (verdict == VERDICT_NONE) return VERDICT_NONE;
     uint8_t *alpha = self->cover->alpha[tet];
-    if (least == 255 && whole) {
+    if (verdict == VERDICT_OPAQUE && whole) {
         memset(alpha, 255, SAMPLES);
         self->cover->left[tet] = 0;
         return VERDICT_OPAQUE;
@@ -499,7 +498,10 @@ static pith_status fill_batch(fill *self, pith_error *err)
 {
     bool made[BATCH] = { false };
     draw_batch(self);
-#pragma omp parallel for num_threads(pith_threads()) schedule(dynamic, 1)
+    /* Small patches are done before a second thread has come; on a busy machine waiting for it costs far more. */
+    enum { SMALL_CLUMP = 1000 };
+    const int threads = self->clump_tets >= SMALL_CLUMP * self->patch_count ? pith_threads() : 1;
+#pragma omp parallel for num_threads(threads) schedule(dynamic, 1)
     for (int b = 0; b < BATCH; ++b)
         if (self->seeded[b]) made[b] = lapped_patch_make(&self->context, &self->work[b]);
     for (int b = 0; b < BATCH; ++b) {

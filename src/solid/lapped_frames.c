@@ -1,6 +1,7 @@
 /* What a fill knows of the mesh before the first patch: a frame, a scale and a confidence per tet, and edge numbers.
    Frames are averages over a tet's vertices (thesis §5.3.2, "Constructing a Frame Field"); the scale is the inverse of
-   the depth gradient's magnitude ("Creation of Depth-Varying Solid Models"), bounded where the gradient vanishes. */
+   the depth gradient's magnitude ("Creation of Depth-Varying Solid Models"), bounded above where the gradient vanishes and
+   below where the model thins out. */
 #include "lapped_internal.h"
 
 #include <stdlib.h>
@@ -30,7 +31,8 @@ static pith_status median_scale(const pith_lapped_input *input, uint32_t vertex_
 
 /* Frame, scale and confidence of one tet. Near the core the vertices' gradients point every way and cancel: what is left
    of the mean, against the bound on the scale, says how far the frame there is to be trusted. */
-static lapped_tet tet_frame(const pith_lapped_input *input, const uint32_t corners[4], double largest_scale)
+static lapped_tet tet_frame(const pith_lapped_input *input, const uint32_t corners[4], double smallest_scale,
+                            double largest_scale)
 {
     pith_vec3 gradient = { 0, 0, 0 }, secondary = { 0, 0, 0 };
     double magnitude = 0.0;
@@ -41,7 +43,7 @@ static lapped_tet tet_frame(const pith_lapped_input *input, const uint32_t corne
         if (input->secondary) secondary = pith_add(secondary, input->secondary[corners[k]]);
     }
     lapped_tet tet;
-    tet.scale = magnitude * largest_scale > 1.0 ? 1.0 / magnitude : largest_scale;
+    tet.scale = magnitude * largest_scale > 1.0 ? fmax(1.0 / magnitude, smallest_scale) : largest_scale;
     tet.primary = pith_length(gradient) > 0.0 ? pith_unit(gradient) : pith_v3(0, 0, 1);
     secondary = pith_reject(secondary, tet.primary);
     tet.secondary = pith_length(secondary) > 1e-9 ? pith_unit(secondary) : pith_perpendicular(tet.primary);
@@ -121,7 +123,8 @@ pith_status lapped_context_make(const pith_lapped_input *input, const pith_lappe
     if (!context->frames) return PITH_OUT_OF_MEMORY(err, "the frame field");
 #pragma omp parallel for num_threads(pith_threads()) schedule(static)
     for (uint32_t t = 0; t < context->tets.tet_count; ++t)
-        context->frames[t] = tet_frame(input, context->tets.tets[t], options->scale_bound * median);
+        context->frames[t] = tet_frame(input, context->tets.tets[t], options->scale_floor * median,
+                                       options->scale_bound * median);
     return number_edges(context, err);
 }
 

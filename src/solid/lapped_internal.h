@@ -31,9 +31,9 @@ typedef struct lapped_masks {
 void lapped_masks_make(lapped_masks *masks, const pith_lapped_options *options);
 /* Which mask a patch centred at this depth takes: a third of the range each. */
 int lapped_mask_kind(double depth);
-/* Bounds of alpha over the box of texture coordinates low..high (r, s, t). */
-void lapped_mask_bounds(const lapped_masks *masks, int kind, const double low[3], const double high[3], int *least,
-                        int *greatest);
+/* What a mask does over a box of texture coordinates: nothing for certain, something somewhere, opaque for certain. */
+typedef enum lapped_verdict { VERDICT_NONE, VERDICT_PART, VERDICT_OPAQUE } lapped_verdict;
+lapped_verdict lapped_mask_over(const lapped_masks *masks, int kind, const double low[3], const double high[3]);
 
 /* Trilinear alpha 0..1 at (r, s, t); 0 where r or t leave [0,1]; exactly 1 where all eight cells are opaque. Most points
    lie in a block that is all opaque or all empty: the small tables answer those, and stay in the nearest cache. */

@@ -98,12 +98,9 @@ void lapped_masks_make(lapped_masks *masks, const pith_lapped_options *options)
     for (int kind = 0; kind < MASK_KINDS; ++kind) mask_make(masks, kind, options);
 }
 
-void lapped_mask_bounds(const lapped_masks *masks, int kind, const double low[3], const double high[3], int *least,
-                        int *greatest)
+lapped_verdict lapped_mask_over(const lapped_masks *masks, int kind, const double low[3], const double high[3])
 {
-    *least = *greatest = 0;
-    if (!(high[0] > 0.0 && low[0] < 1.0 && high[2] > 0.0 && low[2] < 1.0)) return;
-    const bool inside = low[0] >= 0.0 && high[0] <= 1.0 && low[2] >= 0.0 && high[2] <= 1.0;
+    if (!(high[0] > 0.0 && low[0] < 1.0 && high[2] > 0.0 && low[2] < 1.0)) return VERDICT_NONE;
     int from[3], to[3];
     for (int axis = 0; axis < 3; ++axis) {
         from[axis] = (int)(fmax(0.0, fmin(low[axis], 1.0)) * MASK_BLOCKS);
@@ -111,13 +108,13 @@ void lapped_mask_bounds(const lapped_masks *masks, int kind, const double low[3]
         if (from[axis] > MASK_BLOCKS - 1) from[axis] = MASK_BLOCKS - 1;
         if (to[axis] > MASK_BLOCKS - 1) to[axis] = MASK_BLOCKS - 1;
     }
-    int small = 255, great = 0;
+    bool whole = low[0] >= 0.0 && high[0] <= 1.0 && low[2] >= 0.0 && high[2] <= 1.0, some = false;
     for (int k = from[2]; k <= to[2]; ++k)
         for (int j = from[1]; j <= to[1]; ++j)
             for (int i = from[0]; i <= to[0]; ++i) {
-                if (masks->least[kind][k][j][i] < small) small = masks->least[kind][k][j][i];
-                if (masks->greatest[kind][k][j][i] > great) great = masks->greatest[kind][k][j][i];
+                whole = whole && masks->least[kind][k][j][i] == 255;
+                some = some || masks->greatest[kind][k][j][i] > 0;
+                if (some && !whole) return VERDICT_PART;
             }
-    *least = inside ? small : 0;
-    *greatest = great;
+    return whole ? VERDICT_OPAQUE : VERDICT_NONE;
 }

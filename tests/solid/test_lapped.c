@@ -154,12 +154,13 @@ static void test_masks_are_opaque_where_patches_are_centred(void **state)
     }
 }
 
-static void test_mask_bounds_bracket_the_mask(void **state)
+static void test_verdicts_over_boxes_hold_at_their_points(void **state)
 {
     (void)state;
     static lapped_masks masks;
     const pith_lapped_options options = pith_lapped_options_default();
     lapped_masks_make(&masks, &options);
+    int seen[3] = { 0 };
     pith_rng rng = pith_rng_make(3, 9);
     for (int i = 0; i < 20000; ++i) {
         double low[3], high[3], at[3];
@@ -169,12 +170,13 @@ static void test_mask_bounds_bracket_the_mask(void **state)
             at[k] = low[k] + (high[k] - low[k]) * pith_rng_unit(&rng);
         }
         const int kind = (int)pith_rng_below(&rng, MASK_KINDS);
-        int least, greatest;
-        lapped_mask_bounds(&masks, kind, low, high, &least, &greatest);
-        const double a = 255.0 * (double)lapped_mask_alpha(&masks, kind, (float)at[0], (float)at[1], (float)at[2]);
-        CHECK_AT_LEAST(a, least - 1e-3);
-        CHECK_AT_MOST(a, greatest + 1e-3);
+        const lapped_verdict verdict = lapped_mask_over(&masks, kind, low, high);
+        const double alpha = (double)lapped_mask_alpha(&masks, kind, (float)at[0], (float)at[1], (float)at[2]);
+        if (verdict == VERDICT_NONE) CHECK_NEAR(alpha, 0.0, 0.0);
+        if (verdict == VERDICT_OPAQUE) CHECK_NEAR(alpha, 1.0, 0.0);
+        ++seen[verdict];
     }
+    for (int v = VERDICT_NONE; v <= VERDICT_OPAQUE; ++v) assert_true(seen[v] > 500);
 }
 
 static void test_skin_lies_on_the_surface(void **state)
@@ -385,7 +387,7 @@ int main(void)
         cmocka_unit_test(test_s_is_depth_and_inside_is_opaque),
         cmocka_unit_test(test_every_sample_of_the_lattice_is_covered),
         cmocka_unit_test(test_masks_are_opaque_where_patches_are_centred),
-        cmocka_unit_test(test_mask_bounds_bracket_the_mask),
+        cmocka_unit_test(test_verdicts_over_boxes_hold_at_their_points),
         cmocka_unit_test(test_skin_lies_on_the_surface),
         cmocka_unit_test(test_a_clump_round_a_ring_does_not_meet_itself),
         cmocka_unit_test(test_same_bytes_for_any_number_of_threads),
