@@ -37,7 +37,7 @@ check-sanitize:
 	    -Wno-dev --log-level=WARNING >/dev/null
 	@cmake --build $(SANITIZED) -j $(JOBS) -- --no-print-directory -s
 	@cd $(SANITIZED) && ASAN_OPTIONS=detect_leaks=1 OMP_NUM_THREADS=2 ctest --output-on-failure --parallel 2 \
-	    -L 'base|shape|image|document'
+	    -L 'base|shape|image|document' -E shipped
 
 bench: $(BUILD)/pith-configured
 	@cmake --build $(BUILD) --target pith pith-tetgen -j $(JOBS) -- --no-print-directory -s
