@@ -63,6 +63,7 @@ static void test_wrong_usage_is_2_and_helps(void **state)
         { "render small.pith -o x.png --keep all", "expected one of both, positive, negative" },
         { "cut small.pith --format stl", "expected glb, ply or obj" },
         { "cut small.pith --edge -1", "--edge is \"-1\", expected a number from 0" },
+        { "bake small.pith -o x.png", "ending in .nrrd or .vtu" },
         { "bake small.pith -o x.nrrd --voxels 1.5", "expected a whole number from 2 to 2048" },
         { "fill small.pith --json=yes", "--json takes no value" },
         { "fill small.pith --threads 0", "expected a whole number from 1" },
@@ -191,6 +192,7 @@ static void test_the_whole_job(void **state)
     pith_image_destroy(image);
 
     CHECK_RUN(0, "build/pith bake small.pith -o v.nrrd --voxels 16 --type float");
+    CHECK_RUN(0, "build/pith bake small.pith -o v.vtu && build/pith info v.vtu");
     pith_grid *grid = NULL;
     snprintf(path, sizeof path, "%s/v.nrrd", run_folder);
     CHECK_OK(pith_grid_read_nrrd(path, true, &grid, &err));
