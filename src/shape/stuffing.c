@@ -4,11 +4,13 @@
    with uniform sizing. The body is where the generalized winding number is above one half, so that holes are bridged
    and the overlap of two bodies is inside. A body-centred cubic lattice is laid over it; edges that cross the boundary
    get a cut point; a lattice point too near to one of its cut points is warped onto it; what is left is cut by
-   stencils. With the two thresholds below every dihedral angle lies between 10.78 and 164.74 degrees.
+   stencils. With the two thresholds below the paper bounds every dihedral angle to 10.78 .. 164.76 degrees. Smooth
+   surfaces stay well within (18 .. 146); 400 triangle soups, made to be nasty, gave 10.40 .. 158.68 in 16.8 million
+   tetrahedra: three nodes of an uncut tetrahedron, each warped by almost the whole threshold, can undercut the bound.
 
    Warping can pinch the result where the body is thinner than the lattice: two sheets then meet in an edge or a vertex.
    Without warping that cannot happen. So lattice points found in a pinch are kept where they were, their cut points
-   pushed out to the threshold (which stays within what the angle bounds were proven for), and the lattice is cut
+   pushed out to the threshold (where cut points may be anyhow), and the lattice is cut
    again until nothing is pinched; each round fixes at least one more point. */
 #include "tets_internal.h"
 
@@ -240,8 +242,6 @@ static uint32_t violating_cut(const lattice *l, uint32_t id, node n)
     return best;
 }
 
-/* A node has cuts when one of its 14 edges crosses; nodes deep inside or outside are skipped by a look at their
-   neighbours' signs within violating_cut. */
 static void warp(lattice *l)
 {
     for (uint32_t id = 0; id < l->node_count; ++id) l->warped_to[id] = PITH_NONE;
