@@ -1,7 +1,8 @@
 # The words people type. The build itself is CMake's; these only call it in the right order.
 #
 #   make demo            install what is missing, build, run the main job, say where the pictures are
-#   make check           install what is missing, build everything, run every test, then the readers under sanitizers
+#   make check           install what is missing, build everything, run every test, then most again under sanitizers
+#   make fuzz            feed the readers damaged bytes (needs clang)
 #   make bench           measure, and keep the results under bench/results
 #   make gallery         make the pictures of docs/gallery again
 #   make format          put every C file into the house's layout (needs clang-format)
@@ -10,7 +11,7 @@ JOBS := $(shell nproc 2>/dev/null || echo 2)
 BUILD := build
 SANITIZED := build-sanitize
 
-.PHONY: demo check check-sanitize bench gallery format clean
+.PHONY: demo check check-sanitize fuzz bench gallery format clean
 
 demo: $(BUILD)/pith-configured
 	@tools/install-packages demo
@@ -30,14 +31,22 @@ check:
 	@cd $(BUILD) && ctest --output-on-failure --parallel 2
 	@$(MAKE) --no-print-directory check-sanitize
 
-# Readers and everything that meets foreign bytes, under AddressSanitizer and UndefinedBehaviorSanitizer.
+# Everything but the longest checks, under AddressSanitizer and UndefinedBehaviorSanitizer.
 check-sanitize:
 	@tools/install-packages check
 	@cmake -G "Unix Makefiles" -S . -B $(SANITIZED) -DPITH_TESTS=ON -DCMAKE_BUILD_TYPE=RelWithDebInfo -DPITH_SANITIZE=address,undefined \
 	    -Wno-dev --log-level=WARNING >/dev/null
 	@cmake --build $(SANITIZED) -j $(JOBS) -- --no-print-directory -s
 	@cd $(SANITIZED) && ASAN_OPTIONS=detect_leaks=1 OMP_NUM_THREADS=2 ctest --output-on-failure --parallel 2 \
-	    -L 'base|shape|image|document' -E shipped
+	    -E 'shipped|docs|first_cut'
+
+# The fuzz targets of the readers, a short run each: make fuzz, or make fuzz SECONDS=3600. Needs clang.
+SECONDS := 20
+fuzz:
+	@cmake -S . -B build-fuzz -DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++ -DPITH_FUZZ=ON -DPITH_TESTS=OFF \
+	    -DCMAKE_BUILD_TYPE=RelWithDebInfo -DPITH_SANITIZE=address,undefined,fuzzer-no-link -Wno-dev --log-level=WARNING >/dev/null
+	@cmake --build build-fuzz -j $(JOBS) -- --no-print-directory -s
+	@for target in build-fuzz/fuzz/fuzz_*; do echo $$target; $$target -max_total_time=$(SECONDS) -verbosity=0 || exit 1; done
 
 bench: $(BUILD)/pith-configured
 	@cmake --build $(BUILD) --target pith pith-tetgen -j $(JOBS) -- --no-print-directory -s
