@@ -73,6 +73,8 @@ void cli_close(cli_model *opened);
 
 /* ---- reporting -------------------------------------------------------------------------------------------------------- */
 
+/* Can a file be made at this path? Asked before the work rather than after it: CLI_GO_ON, or prints why not and fails. */
+int cli_check_out(const char *verb, const char *path);
 /* "pith VERB: sentence" on the standard error; returns EXIT_FAILED. */
 int cli_fail(const char *verb, const pith_error *err);
 /* The same for wrong usage, with where to find help; returns EXIT_USAGE. */

@@ -6,6 +6,17 @@
 #include <string.h>
 #include <unistd.h>
 
+int cli_check_out(const char *verb, const char *path)
+{
+    char *folder = pith_path_join(path, "."); /* the folder the file would lie in */
+    const bool writable = folder && access(folder, W_OK) == 0;
+    pith_free(folder);
+    if (writable) return CLI_GO_ON;
+    pith_error err;
+    pith_fail(&err, PITH_IO, "%s: cannot be written there: %s", path, strerror(errno));
+    return cli_fail(verb, &err);
+}
+
 int cli_fail(const char *verb, const pith_error *err)
 {
     cli_progress_done();

@@ -86,6 +86,7 @@ int verb_bake(int argc, char **argv)
     const bool bytes = strcmp(type, "uchar") == 0;
     if (!bytes && strcmp(type, "float") != 0)
         return cli_misuse("bake", "--type is \"%s\", expected uchar or float", type);
+    if (cli_check_out("bake", out) != CLI_GO_ON) return EXIT_FAILED;
     cli_model opened;
     const int open = cli_open("bake", line.word[0], &common, &opened);
     if (open != CLI_GO_ON) return open;

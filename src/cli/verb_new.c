@@ -171,18 +171,22 @@ static pith_status mesh_document(const pith_mesh *mesh, const pith_mesh_report *
     const pith_vec3 axis = longest_axis(&view, &middle);
     const double reach = pith_distance(report->box.low, report->box.high);
     PITH_TRY(core_segment(mesh, middle, axis, reach, ends, err));
-    json_object_set_new(root, "title", json_string(name));
-    json_object_set_new(root, "shape", json_pack("{ss}", "mesh", name));
+    const char *slash = strrchr(name, '/');
+    json_object_set_new(root, "title", json_string(slash ? slash + 1 : name));
+    json_object_set_new(root, "shape", json_pack("{sss{si}}", "mesh", name, "tets", "tetrahedra", 5000));
     json_object_set_new(root, "depth",
                         json_pack("{s[{sssi}{sosi}]}", "constraints", "faces", "all", "depth", 0, "stroke",
                                   segment_json(ends), "depth", 1));
     json_object_set_new(root, "direction", json_pack("{s[o]}", "strokes", segment_json(ends)));
     json_object_set_new(root, "cuts",
-                        json_pack("[{s{soso}sssf}]", "plane", "point", cli_point_json(pith_lerp(ends[0], ends[1], 0.5)),
-                                  "normal", cli_point_json(axis), "keep", "both", "gap", 0.15 * reach));
-    const pith_vec3 aside = pith_perpendicular(axis);
-    json_object_set_new(root, "camera", json_pack("{soso}", "direction", cli_point_json(pith_add(axis, aside)), "up",
-                                                  cli_point_json(pith_madd(aside, axis, -1.0))));
+                        json_pack("[{s{soso}ss}]", "plane", "point", cli_point_json(pith_lerp(ends[0], ends[1], 0.5)),
+                                  "normal", cli_point_json(axis), "keep", "negative"));
+    /* The far half stays and shows its section; upright is y as in most scans, or z where the axis runs along y. */
+    const pith_vec3 up = fabs(axis.y) < 0.8 ? pith_v3(0, 1, 0) : pith_v3(0, 0, 1);
+    const pith_vec3 side = pith_unit(pith_cross(up, axis));
+    const pith_vec3 view_from = pith_madd(pith_madd(axis, up, 0.35), side, 0.35);
+    json_object_set_new(root, "camera", json_pack("{soso}", "direction", cli_point_json(view_from), "up",
+                                                  cli_point_json(up)));
     return PITH_OK;
 }
 

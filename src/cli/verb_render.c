@@ -26,12 +26,13 @@ int verb_render(int argc, char **argv)
     double gap = 0;
     pith_cut_step cut;
     pith_params_defaults(&pith_cut_step_params, &cut);
-    bool has_plane = false;
+    bool has_plane = false, has_keep = false, has_gap = false;
     const cli_flag flags[] = {
         { "out", 'o', CLI_TEXT, &out, "FILE", "the picture: .png or .jpg", 0, 0, NULL },
         { "plane", 0, CLI_PLANE, &cut.plane, "PX,..,NZ", "cut here instead of where the document says", 0, 0, &has_plane },
-        { "keep", 0, CLI_TEXT, &keep, "WORD", "with --plane: both, positive or negative", 0, 0, NULL },
-        { "gap", 0, CLI_NUMBER, &gap, "X", "with --plane: how far the halves are moved apart", 0, 1e9, NULL },
+        { "keep", 0, CLI_TEXT, &keep, "WORD", "with --plane: both, positive or negative", 0, 0, &has_keep },
+        { "gap", 0, CLI_NUMBER, &gap, "X", "with --plane: how far the halves are moved apart", 0, 1e9,
+          &has_gap },
         CLI_THREADS_FLAG(common), CLI_CACHE_FLAG(common),
     };
     cli_line line = {
@@ -42,11 +43,17 @@ int verb_render(int argc, char **argv)
     };
     const int code = cli_parse(&line, argc, argv);
     if (code != CLI_GO_ON) return code;
-    if (!out) return cli_misuse("render", "expected -o FILE, the picture to write");
+    if (!out || !(pith_path_has_extension(out, "png") || pith_path_has_extension(out, "jpg") ||
+                  pith_path_has_extension(out, "jpeg")))
+        return cli_misuse("render", "expected -o FILE ending in .png or .jpg%s%s", out ? ", got " : "", out ? out : "");
+    if ((has_keep || has_gap) && !has_plane)
+        return cli_misuse("render", "--%s goes with --plane; without it the document's own cuts hold",
+                          has_keep ? "keep" : "gap");
     pith_error err;
     if (pith_param_set_word(pith_params_find(&pith_cut_step_params, "keep"), &cut, keep, &err) != PITH_OK)
         return cli_misuse("render", "%s", err.message);
     cut.gap = gap;
+    if (cli_check_out("render", out) != CLI_GO_ON) return EXIT_FAILED;
     cli_model opened;
     const int open = cli_open("render", line.word[0], &common, &opened);
     if (open != CLI_GO_ON) return open;

@@ -21,6 +21,18 @@ pith_depth_options pith_depth_options_default(void)
     return options;
 }
 
+/* A coarse mesh may have no vertex off its painted skin: then nothing between its vertices is deeper than the skin, and
+   whatever was drawn inside has no effect. */
+static pith_status check_depth_can_change(const pith_tets *tets, const double *painted, pith_error *err)
+{
+    const uint32_t vertices = pith_tets_look(tets).vertex_count;
+    for (uint32_t v = 0; v < vertices; ++v)
+        if (!painted || !isfinite(painted[v]) || painted[v] != painted[0]) return PITH_OK;
+    return pith_fail(err, PITH_BAD_ARGUMENT, "all %u vertices lie on faces painted with the depth %g and none inside, so the "
+                     "depth could not change; fill the mesh with more tetrahedra (\"tets\": { \"tetrahedra\": 5000 })",
+                     vertices, vertices ? painted[0] : 0.0);
+}
+
 pith_status pith_depth_field(const pith_tets *tets, const pith_depth_constraint *constraints, size_t count,
                              const pith_depth_options *options, double *depth, pith_vec3 *gradient, pith_error *err)
 {
@@ -30,7 +42,9 @@ pith_status pith_depth_field(const pith_tets *tets, const pith_depth_constraint 
     depth_samples samples = { 0 };
     PITH_TRY(depth_samples_make(tets, constraints, count, options, &samples, err));
     pith_rbf *rbf = NULL;
-    pith_status status = pith_rbf_create(samples.points, samples.depths, samples.count, options->smoothing, &rbf, err);
+    pith_status status = check_depth_can_change(tets, samples.painted, err);
+    if (status == PITH_OK)
+        status = pith_rbf_create(samples.points, samples.depths, samples.count, options->smoothing, &rbf, err);
     if (status == PITH_OK) {
         const pith_tets_view view = pith_tets_look(tets);
         pith_rbf_evaluate(rbf, view.positions, view.vertex_count, depth, gradient);

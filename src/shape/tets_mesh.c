@@ -371,6 +371,10 @@ static pith_status run_stuffing(const filling *f, pith_tets **tets, pith_error *
 
 /* ---- the choice ------------------------------------------------------------------------------------------------ */
 
+/* TetGen keeps the surface's triangles, and puts no vertex near a large one: a cube of twelve stays six tets whatever
+   is asked for. */
+static bool too_coarse(const filling *f, const pith_tets *made) { return made->tet_count < 0.5 * f->wanted; }
+
 static pith_status fill_with(const filling *f, uint32_t mesher, uint32_t *used, char *why, size_t capacity,
                              pith_tets **tets, pith_error *err)
 {
@@ -385,8 +389,13 @@ static pith_status fill_with(const filling *f, uint32_t mesher, uint32_t *used, 
         pith_error reason = { PITH_OK, "" };
         const pith_status status = run_tetgen(f, tets, &reason);
         *used = PITH_MESHER_TETGEN;
-        if (status == PITH_OK) return PITH_OK;
-        if (mesher == PITH_MESHER_TETGEN || status == PITH_CANCELLED || status == PITH_NO_MEMORY)
+        if (status == PITH_OK && (mesher == PITH_MESHER_TETGEN || !too_coarse(f, *tets))) return PITH_OK;
+        if (status == PITH_OK) {
+            pith_fail(&reason, PITH_OK, "keeping its %u triangles allows only %u of the %.0f tetrahedra wanted; give the "
+                      "surface smaller triangles to have it kept", f->view.triangle_count, (*tets)->tet_count, f->wanted);
+            pith_tets_destroy(*tets);
+            *tets = NULL;
+        } else if (mesher == PITH_MESHER_TETGEN || status == PITH_CANCELLED || status == PITH_NO_MEMORY)
             return pith_fail(err, status, "%s", reason.message);
         snprintf(why, capacity, "%.*s", (int)capacity - 1, reason.message);
     } else {

@@ -60,7 +60,10 @@ static void test_wrong_usage_is_2_and_helps(void **state)
         { "render small.pith -o x.png --ground maybe", "ground is \"maybe\", expected yes or no" },
         { "render small.pith -o x.png --plane 1,2,3", "expected px,py,pz,nx,ny,nz" },
         { "render small.pith -o x.png --plane 0,0,0,0,0,0", "not zero" },
-        { "render small.pith -o x.png --keep all", "expected one of both, positive, negative" },
+        { "render small.pith -o x.gif", "ending in .png or .jpg" },
+        { "render small.pith -o x.png --keep positive", "--keep goes with --plane" },
+        { "render small.pith -o x.png --gap 1", "--gap goes with --plane" },
+        { "render small.pith -o x.png --plane 0,0,0,0,0,1 --keep all", "expected one of both, positive, negative" },
         { "cut small.pith --format stl", "expected glb, ply or obj" },
         { "cut small.pith --edge -1", "--edge is \"-1\", expected a number from 0" },
         { "bake small.pith -o x.png", "ending in .nrrd or .vtu" },
@@ -98,7 +101,8 @@ static void test_failures_are_1_and_name_the_place(void **state)
     write_file("small.pith", small_document);
     CHECK_RUN(1, "build/pith render small.pith -o no/such/folder/x.png --width 8 --height 8");
     CHECK_SAYS(run_err, "no/such/folder/x.png");
-    CHECK_RUN(1, "build/pith render small.pith -o x.gif --width 8 --height 8");
+    CHECK_RUN(1, "build/pith bake small.pith -o no/such/folder/x.nrrd");
+    CHECK_SAYS(run_err, "cannot be written there");
     CHECK_RUN(1, "build/pith info small.pith > /dev/full");
     CHECK_SAYS(run_err, "No space left");
 }

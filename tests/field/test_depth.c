@@ -353,9 +353,28 @@ static void resampling_walks_at_equal_steps(void **state)
     for (int i = 0; i < 5; ++i) CHECK_NEAR(fabs(tangents[i].x), 1.0, 1e-15);
 }
 
+static void test_a_mesh_without_inner_vertices_is_refused(void **state)
+{
+    (void)state;
+    const pith_vec3 corners[4] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } }, middle = { 0.2, 0.2, 0.2 };
+    const uint32_t tet[1][4] = { { 0, 1, 2, 3 } };
+    const pith_tets_view view = { .positions = corners, .tets = tet, .vertex_count = 4, .tet_count = 1 };
+    const pith_depth_constraint constraints[2] = { { .kind = PITH_DEPTH_ALL_FACES, .depth = 0 },
+                                                   { .kind = PITH_DEPTH_POINTS, .depth = 1, .points = &middle, .count = 1 } };
+    const pith_depth_options options = pith_depth_options_default();
+    pith_tets *tets = NULL;
+    double depth[4];
+    pith_vec3 gradient[4];
+    CHECK_OK(pith_tets_create(&view, &tets, &err));
+    CHECK_FAILS(pith_depth_field(tets, constraints, 2, &options, depth, gradient, &err), PITH_BAD_ARGUMENT,
+                "more tetrahedra");
+    pith_tets_destroy(tets);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_a_mesh_without_inner_vertices_is_refused),
         cmocka_unit_test(depths_that_are_affine_come_back_exactly),
         cmocka_unit_test(a_cube_with_a_core_is_symmetric_and_grows_inward),
         cmocka_unit_test(points_and_strokes_are_what_the_rbf_interpolates),

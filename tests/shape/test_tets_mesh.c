@@ -80,6 +80,21 @@ static void test_tetgen_keeps_the_surface(void **state)
     pith_mesh_destroy(mesh);
 }
 
+static void test_a_surface_too_coarse_to_keep_is_stuffed(void **state)
+{
+    (void)state;
+    pith_mesh *mesh = sample_sphere(0); /* an icosahedron */
+    pith_tets_options options = pith_tets_options_default();
+    pith_tets_report report;
+    options.tetrahedra = 5000;
+    pith_tets *tets = fill(mesh, &options, &report);
+    assert_int_equal(report.mesher, PITH_MESHER_STUFFING);
+    assert_non_null(strstr(report.why, "20 triangles"));
+    CHECK_NEAR(report.tetrahedra, 5000, 1500);
+    pith_tets_destroy(tets);
+    pith_mesh_destroy(mesh);
+}
+
 static void test_the_wanted_number_is_met(void **state)
 {
     (void)state;
@@ -425,6 +440,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_defaults_are_in_range),
         cmocka_unit_test(test_tetgen_keeps_the_surface),
+        cmocka_unit_test(test_a_surface_too_coarse_to_keep_is_stuffed),
         cmocka_unit_test(test_the_wanted_number_is_met),
         cmocka_unit_test(test_a_fine_surface_sets_a_floor),
         cmocka_unit_test(test_the_edge_length_sets_the_size),
