@@ -19,4 +19,19 @@ pith_status pith_bake_voxels(const pith_solid *solid, const pith_tets *tets, con
 pith_status pith_bake_vertices(const pith_shell *shell, const pith_solid *solid, double edge, uint32_t max_triangles,
                                bool split_border, const pith_progress *progress, pith_mesh **mesh, pith_error *err);
 
+/** Displacement mapping (Takayama 2008 §6): the shell divided to `edge`, every skin vertex moved along its normal by
+ *  amount * (sample of `channel` - middle). channel counts from 0; 4 is the first beyond RGBA. PITH_BAD_ARGUMENT when the
+ *  solid has no such channel. */
+typedef struct pith_displacement_options {
+    uint32_t channel;
+    double amount;          /* model units per unit of the channel */
+    double middle;          /* value that does not move */
+    double edge;            /* longest edge of the divided surface, model units */
+    uint32_t max_triangles;
+} pith_displacement_options;
+extern const pith_params pith_displacement_params;
+pith_displacement_options pith_displacement_options_default(void);
+pith_status pith_bake_displaced(const pith_shell *shell, const pith_solid *solid,
+                                const pith_displacement_options *options, pith_shell **displaced, pith_error *err);
+
 #endif

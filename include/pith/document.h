@@ -40,18 +40,38 @@ pith_status pith_document_keys(char **text, pith_error *err);
 /** Every parameter table that a document can set, NULL-terminated. */
 const pith_params *const *pith_document_tables(void);
 
-/** Subdividing tets near the core, where the depth gradient fades and straight elements see it worst. */
+/** Names of the bodies; a document without "bodies" is one body called "". */
+size_t pith_document_bodies(const pith_document *document);
+const char *pith_document_body_name(const pith_document *document, size_t index);
+/** Is it seen through (has it "volume")? */
+bool pith_document_translucent(const pith_document *document);
+
+/** One operation on a document, as JSON: {"op": "depth.fill", "body": "…", "face": 12, "depth": 0.25, "crease": 30}.
+ *  What an editor's tools do; docs/document.md lists them all. Makes a new document, checked as when loaded; the old one
+ *  stays as it is. `operation` is text of `size` bytes; refusals name the place inside it. */
+pith_status pith_document_apply(const pith_document *document, const char *operation, size_t size,
+                                pith_document **edited, pith_error *err);
+/** Every operation as Markdown tables. Caller frees with pith_free. */
+pith_status pith_document_operations(char **text, pith_error *err);
+
+/** Subdividing tets where straight elements see the fields worst: near the core, where the depth gradient fades, and
+ *  round singularities of the frame field, which are found automatically (pith_frame_singular). */
 typedef struct pith_refine_options {
     double depth_above;     /* tets whose mean depth is above this are bisected */
     uint32_t passes;        /* how often; 0: not at all */
+    double singular_angle;  /* tets in which the frames turn by more than this are bisected, degrees */
+    uint32_t singular_passes; /* how often; 0: not at all */
 } pith_refine_options;
 extern const pith_params pith_refine_params;
 
 typedef enum pith_keep { PITH_KEEP_BOTH, PITH_KEEP_POSITIVE, PITH_KEEP_NEGATIVE } pith_keep;
 
-/** One planar cut of a document: every part there is, is cut. */
+/** One cut of a document, along a plane or a stroke: every part there is, is cut. */
 typedef struct pith_cut_step {
-    pith_plane plane;
+    pith_plane plane;       /* when the stroke has no points */
+    pith_cut_stroke stroke; /* borrowed */
+    pith_cut_stroke_options follow; /* how the stroke is followed */
+    bool separate;          /* afterwards every connected body is a part of its own */
     uint32_t keep;          /* pith_keep: the sides that stay; positive is where the normal points */
     double gap;             /* when both stay: how far they are moved apart along the normal, model units */
 } pith_cut_step;
@@ -78,6 +98,12 @@ typedef struct pith_model_options {
 /** Where the time went; seconds, negative when the stage came from the cache or was not needed. */
 typedef struct pith_model_times { double shape, tets, fields, exemplar, fill, cut; } pith_model_times;
 
+/* A model of several bodies (strata, cake) is cut and looked at as one; what it is made of is asked body by body: each is
+   a model of its own, owned by the whole. The calls below that return one mesh, tets, field, exemplar, solid or part are
+   refused with PITH_BAD_ARGUMENT for a model of several bodies. A model of one body is its own body 0. */
+size_t pith_model_bodies(const pith_model *model);
+pith_status pith_model_body(pith_model *model, size_t index, pith_model **body, pith_error *err);
+
 /** Borrows the document, which must outlive the model, and the progress. Builds nothing yet. A cache file that is
  *  damaged is told in pith_model_notes and rebuilt. */
 pith_status pith_model_create(const pith_document *document, const pith_model_options *options,
@@ -93,6 +119,11 @@ pith_status pith_model_locator(pith_model *model, const pith_locator **locator, 
 /** Fields of the tets: depth, gradient, secondary (NULL when the document has none); [vertex_count]. */
 pith_status pith_model_fields(pith_model *model, const double **depth, const pith_vec3 **gradient,
                               const pith_vec3 **secondary, pith_error *err);
+/** The volumetric vector field on voxels ("vectors"); PITH_BAD_DOCUMENT when the document has none. */
+pith_status pith_model_vectors(pith_model *model, const pith_volume_field **vectors, pith_error *err);
+/** The same at the tets' vertices [vertex_count], unit or zero; and the scale field. NULL when the document has none. */
+pith_status pith_model_directions(pith_model *model, const pith_vec3 **directions, pith_error *err);
+pith_status pith_model_scale(pith_model *model, const double **scale, pith_error *err);
 /** The exemplar as the model uses it: 8 bits a channel, so that a model from the cache is the same model. */
 pith_status pith_model_exemplar(pith_model *model, const pith_grid **exemplar, pith_error *err);
 /** The solid the model is made of. */
@@ -106,6 +137,12 @@ pith_status pith_model_set_cuts(pith_model *model, const pith_cut_step *cuts, si
 /** The shells left after the cuts, with their offsets; empty shells are left out. Cuts apply in sequence: all but the
  *  last split every part there is, the last one only lays its section open. Offsets add up. */
 pith_status pith_model_items(pith_model *model, const pith_render_item **items, size_t *count, pith_error *err);
+/** The parts left after the cuts with their solids, for volume rendering. */
+pith_status pith_model_volume_items(pith_model *model, const pith_volume_item **items, size_t *count,
+                                    pith_error *err);
+/** Camera, options and transfer function ([count], NULL: the solid's own) of a translucent picture. */
+pith_status pith_model_volume_view(pith_model *model, pith_camera *camera, pith_volume_options *options,
+                                   const pith_transfer_point **transfer, size_t *count, pith_error *err);
 /** Camera for a picture of this aspect (width / height): the document's, or fitted round the items. */
 pith_status pith_model_camera(pith_model *model, double aspect, pith_camera *camera, pith_error *err);
 /** Camera and render options of the document (or fitted, when it has none). */

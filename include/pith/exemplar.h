@@ -7,7 +7,7 @@
 
 #include "pith/image.h"
 
-typedef struct pith_ramp_stop { double depth; float colour[3]; } pith_ramp_stop; /* linear RGB */
+typedef struct pith_ramp_stop { double depth; float colour[3]; float opacity; } pith_ramp_stop; /* linear RGB; 0..1 */
 
 /** Periodic gradient noise that shifts the colour towards `colour` by amount * noise. Long features along one axis make
  *  fibres, rays or rings. Along r and t a whole number of features fits the exemplar: the size is rounded to 1/n, and
@@ -43,7 +43,21 @@ typedef struct pith_particle_layer {
     double halo_width;              /* how far the halo reaches, in units of the radius */
     float halo_colour[3];
     double displacement;            /* added to the displacement channel inside the particle */
+    double opacity;                 /* inside the particle, 0..1; 1 as a rule */
 } pith_particle_layer;
+
+/** Courses of blocks along s, joints between them; every second course is shifted by half a block along r and t. A whole
+ *  number of blocks and courses fits the exemplar (an even one of courses when it repeats along s). */
+typedef struct pith_brick_layer {
+    double size_r, size_s, size_t_; /* of a block with its joint, texture units */
+    double joint;                   /* width, texture units */
+    double roundness;               /* of the blocks' edges, 0..1 of half their least size */
+    double softness;                /* width of the blocks' edge, texture units; never below a voxel */
+    float colour[3], joint_colour[3]; /* linear RGB */
+    double colour_variation;        /* 0..1 random darkening per block */
+    double depth_low, depth_high;   /* range of s in which the layer acts */
+    double displacement;            /* of blocks over joints */
+} pith_brick_layer;
 
 typedef struct pith_layered_recipe {
     uint32_t size_r, size_s, size_t_;   /* voxels, 8..256 each; 64 is the paper's */
@@ -56,10 +70,14 @@ typedef struct pith_layered_recipe {
     size_t noise_count;
     const pith_particle_layer *particles;
     size_t particle_count;
+    const pith_brick_layer *bricks;     /* laid down between colouring noises and particles */
+    size_t brick_count;
+    bool homogeneous;                   /* tiles along s too, for types 0-A, 0-B, 0-C: exactly one stop and no strip,
+                                           noises and particles wrap along s, depth ranges must be the whole */
 } pith_layered_recipe;
 
 /** Tables for the three plain structs above, so that documents, help and checks say the same. */
-extern const pith_params pith_noise_layer_params, pith_particle_layer_params;
+extern const pith_params pith_noise_layer_params, pith_particle_layer_params, pith_brick_layer_params;
 
 /** Makes the exemplar: 4 channels (linear RGB and alpha 1), or 5 when a layer has displacement. Laid down in this
  *  order: warps of the depth, ramp, strip, colouring noises, particles. Deterministic from the seed, same bytes for any
@@ -71,5 +89,7 @@ pith_status pith_exemplar_layered(const pith_layered_recipe *recipe, pith_grid *
 /** Largest seam of a grid along r and t: greatest step of any channel between neighbours across the border, over the
  *  greatest step inside; <= 1 tiles. 0 when there is no step at the border; infinite when there is one only there. */
 double pith_exemplar_seam(const pith_grid *exemplar);
+/** The same along s, for homogeneous exemplars. */
+double pith_exemplar_seam_s(const pith_grid *exemplar);
 
 #endif

@@ -79,8 +79,49 @@ extern const pith_params pith_fruit_params;
 pith_fruit_options pith_fruit_options_default(void);
 pith_status pith_mesh_fruit(const pith_fruit_options *options, pith_mesh **mesh, pith_error *err);
 
+/** A slab between two wavy height fields over a plan in x and y: a layer of rock or of cake, a disc, a tube. Two slabs
+ *  with the same plan, detail and waves share their common border exactly, vertex for vertex, when the top of one has
+ *  the height, wave and seed of the bottom of the other. */
+typedef struct pith_slab_options {
+    double radius_x, radius_y;  /* half extent of the plan */
+    double power;               /* of the plan's outline: 2 an ellipse … 20 a rectangle with rounded corners */
+    double hole;                /* radius of a concentric hole, fraction of the outer one; 0: none */
+    double start, sweep;        /* degrees: the plan's sector; sweep 360 is all of it, 60 a slice of cake */
+    double bottom, top;         /* mean heights */
+    double bottom_wave, top_wave; /* amplitude of the waves, model units */
+    double wave_size;           /* length of the waves, model units */
+    uint32_t detail;            /* edges along the longest side are extent / detail */
+    uint64_t bottom_seed, top_seed;
+} pith_slab_options;
+extern const pith_params pith_slab_params;
+pith_slab_options pith_slab_options_default(void);
+/** PITH_BAD_ARGUMENT when top and bottom meet somewhere. */
+pith_status pith_mesh_slab(const pith_slab_options *options, pith_mesh **mesh, pith_error *err);
+
 /** Angle-weighted vertex normals (Thürmer and Wüthrich 1998), unit length; [vertex_count], caller's array. */
 void pith_mesh_vertex_normals(const pith_mesh_view *mesh, pith_vec3 *normals);
+
+/* ---- polylines ------------------------------------------------------------------------------------------------------ */
+
+typedef struct pith_polylines pith_polylines;
+typedef struct pith_polylines_view {
+    const pith_vec3 *points;    /* [start[line_count]] */
+    const uint32_t *start;      /* [line_count + 1] into points; a line has at least two points */
+    uint32_t line_count;
+} pith_polylines_view;
+pith_status pith_polylines_create(const pith_polylines_view *from, pith_polylines **lines, pith_error *err); /* copies */
+void pith_polylines_destroy(pith_polylines *lines);
+pith_polylines_view pith_polylines_look(const pith_polylines *lines);
+/** Writes VTP (ParaView; appended raw, double) or GLB (line strips, single precision) by extension. colours: per line,
+ *  linear RGB, or NULL. */
+pith_status pith_polylines_write(const pith_polylines *lines, const float (*colours)[3], const char *path,
+                                 pith_error *err);
+/** Round tubes about the lines, for pictures and printing: parallel-transported rings, closed ends. */
+pith_status pith_polylines_tubes(const pith_polylines *lines, double radius, uint32_t sides, pith_mesh **mesh,
+                                 pith_error *err);
+/** Arrow glyphs: one at each point with a vector that is not zero, `length` long for a unit vector, pointing along it. */
+pith_status pith_glyphs(const pith_vec3 *points, const pith_vec3 *vectors, size_t count, double length,
+                        pith_mesh **mesh, pith_error *err);
 
 /* ---- spatial queries over triangles (Embree, robust) ----------------------------------------------------------- */
 

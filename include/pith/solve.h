@@ -46,6 +46,17 @@ pith_status pith_least_squares_constrain(pith_least_squares *system, const pith_
 pith_status pith_least_squares_solve(const pith_least_squares *system, const double *b, uint32_t count, double *x,
                                      pith_error *err);
 
+/* ---- minimum cuts -------------------------------------------------------------------------------------------------- */
+
+/** Minimum cut of a 3D grid graph (6 neighbours): labels [z][y][x] become 1 on the source's side, 0 on the sink's.
+ *  to_source and to_sink [cells]: capacities of each cell's terminal edges (>= 0, INFINITY ties the cell); along [3][cells]:
+ *  capacity (both ways) of the edge from a cell to its neighbour ahead along x, y, z; entries at the far border are
+ *  ignored. Capacities are scaled to integers inside (31 bits over the greatest finite one), so the result is exact and
+ *  the same everywhere. Boykov and Kolmogorov 2004. cut: its value in the caller's units; may be NULL.
+ *  PITH_BAD_ARGUMENT: negative or NaN capacities, a cell tied to both. 32³ cells: a few ms. */
+pith_status pith_grid_min_cut(const uint32_t size[3], const float *to_source, const float *to_sink, const float *along,
+                              uint8_t *labels, double *cut, pith_error *err);
+
 /* ---- radial basis functions -------------------------------------------------------------------------------------- */
 
 typedef struct pith_rbf pith_rbf;

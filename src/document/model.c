@@ -452,7 +452,7 @@ static pith_status build_lapped(pith_model *model, const document_solid *solid, 
     const double start = pith_seconds();
     const pith_lapped_input input = {
         .tets = model->tets, .exemplar = model->exemplar, .depth = model->depth, .gradient = model->gradient,
-        .secondary = solid->lapped.type == PITH_TYPE_1B ? model->secondary : NULL,
+        .direction = solid->lapped.type == PITH_TYPE_1B ? model->secondary : NULL,
     };
     PITH_TRY(pith_solid_lapped(&input, &solid->lapped, model->progress, &model->solid, &model->fill_report, err));
     model->times.fill = pith_seconds() - start;

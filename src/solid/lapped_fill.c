@@ -12,11 +12,11 @@
 
 enum { LATTICE = 8, SAMPLES = 165, BATCH = 4 };
 
-static const char *const type_words[] = { "1-A", "1-B", NULL };
+static const char *const type_words[] = { "0-A", "0-B", "0-C", "1-A", "1-B", NULL };
 #define AT(member) offsetof(pith_lapped_options, member)
 static const pith_param lapped_items[] = {
     { "type", "1", "texture type: 1-A turns each patch at random about the depth direction, 1-B follows the secondary "
-      "direction", PITH_PARAM_CHOICE, 0, PITH_TYPE_1B, 1, AT(type), type_words },
+      "direction", PITH_PARAM_CHOICE, 0, PITH_TYPE_1B, PITH_TYPE_1B, AT(type), type_words },
     { "seed", "1", "seed of every random choice of the fill", PITH_PARAM_SEED, 0, 1, 0x1p53, AT(seed), NULL },
     { "mask_radius", "texture", "half width of the splotch; more means larger and fewer patches", PITH_PARAM_DOUBLE,
       0.3, 0.48, 0.49, AT(mask_radius), NULL },
@@ -69,7 +69,7 @@ static pith_status check_input(const pith_lapped_input *input, const pith_lapped
         return pith_fail(err, PITH_BAD_ARGUMENT, "a lapped solid needs tets, depth and its gradient; one is NULL");
     PITH_TRY(pith_params_check(&pith_lapped_params, options, err));
     PITH_TRY(lapped_check_exemplar(input->exemplar, err));
-    if (options->type == PITH_TYPE_1B && !input->secondary)
+    if (options->type == PITH_TYPE_1B && !input->direction)
         return pith_fail(err, PITH_BAD_ARGUMENT, "texture type 1-B needs a secondary direction: draw at least one "
                          "direction stroke, or choose type 1-A");
     /* A patch must be opaque at its own centre, which lies up to a sixth of the depth off the mask's middle. */
@@ -83,7 +83,7 @@ static pith_status check_input(const pith_lapped_input *input, const pith_lapped
     for (uint32_t v = 0; v < tets.vertex_count; ++v) {
         if (!(input->depth[v] >= 0.0 && input->depth[v] <= 1.0))
             return pith_fail(err, PITH_BAD_ARGUMENT, "depth of vertex %u is %g, expected 0 to 1", v, input->depth[v]);
-        if (!pith_finite(input->gradient[v]) || (input->secondary && !pith_finite(input->secondary[v])))
+        if (!pith_finite(input->gradient[v]) || (input->direction && !pith_finite(input->direction[v])))
             return pith_fail(err, PITH_BAD_ARGUMENT, "the field's direction at vertex %u is not finite", v);
     }
     return PITH_OK;

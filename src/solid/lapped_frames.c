@@ -40,7 +40,7 @@ static lapped_tet tet_frame(const pith_lapped_input *input, const uint32_t corne
         const pith_vec3 g = input->gradient[corners[k]];
         gradient = pith_madd(gradient, g, 0.25);
         magnitude += 0.25 * pith_length(g);
-        if (input->secondary) secondary = pith_add(secondary, input->secondary[corners[k]]);
+        if (input->direction) secondary = pith_add(secondary, input->direction[corners[k]]);
     }
     lapped_tet tet;
     tet.scale = magnitude * largest_scale > 1.0 ? fmax(1.0 / magnitude, smallest_scale) : largest_scale;

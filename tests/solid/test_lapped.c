@@ -328,7 +328,7 @@ static void test_bad_input_is_named(void **state)
     pith_solid *solid = NULL;
 
     pith_lapped_input input = good;
-    input.secondary = NULL;
+    input.direction = NULL;
     CHECK_FAILS(pith_solid_lapped(&input, &standard, NULL, &solid, NULL, &err), PITH_BAD_ARGUMENT, "direction stroke");
     input = good, input.exemplar = NULL;
     CHECK_FAILS(pith_solid_lapped(&input, &standard, NULL, &solid, NULL, &err), PITH_BAD_ARGUMENT, "exemplar");
