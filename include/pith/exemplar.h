@@ -1,7 +1,8 @@
-/** pith/exemplar.h: making exemplars. Today: layered exemplars by hand (Takayama 2011, App. A.3).
+/** pith/exemplar.h: making exemplars. Today: by hand (Takayama 2011, App. A.3), layered or homogeneous.
  *
  *  An exemplar is a pith_grid of RGBA (and further channels) over texture space (r, s, t) in [0,1]³: s is depth, 0
- *  outside, 1 innermost; it tiles along r and t. */
+ *  outside, 1 innermost; it tiles along r and t, and along s too when it is homogeneous (types 0-A, 0-B, 0-C). Alpha
+ *  is the opacity of what is there; colours are not premultiplied. */
 #ifndef PITH_EXEMPLAR_H
 #define PITH_EXEMPLAR_H
 
@@ -11,7 +12,8 @@ typedef struct pith_ramp_stop { double depth; float colour[3]; float opacity; } 
 
 /** Periodic gradient noise that shifts the colour towards `colour` by amount * noise. Long features along one axis make
  *  fibres, rays or rings. Along r and t a whole number of features fits the exemplar: the size is rounded to 1/n, and
- *  above 2 the noise does not vary along that axis at all. No feature is finer than two voxels. */
+ *  above 2 the noise does not vary along that axis at all. No feature is finer than two voxels. In a homogeneous recipe
+ *  all this holds along s too. */
 typedef struct pith_noise_layer {
     double size_r, size_s, size_t_; /* feature size along r, s, t in texture units */
     double amount;                  /* 0..1 how far towards colour where the noise is strongest */
@@ -26,7 +28,8 @@ typedef struct pith_noise_layer {
     uint32_t octaves;               /* 1..6 */
 } pith_noise_layer;
 
-/** Particles: ellipsoids (seeds, vesicles, fibres) thrown by Poisson-disc darts, wrapped along r and t. */
+/** Particles: ellipsoids (seeds, vesicles, fibres) thrown by Poisson-disc darts, wrapped along r and t, in a
+ *  homogeneous recipe along s too. A particle takes the place of what was there: its opacity may be more or less. */
 typedef struct pith_particle_layer {
     double radius_r, radius_s, radius_t; /* half axes, texture units */
     double size_variation;          /* 0..1 random shrinking */
@@ -47,10 +50,11 @@ typedef struct pith_particle_layer {
 } pith_particle_layer;
 
 /** Courses of blocks along s, joints between them; every second course is shifted by half a block along r and t. A whole
- *  number of blocks and courses fits the exemplar (an even one of courses when it repeats along s). */
+ *  number of blocks and courses fits the exemplar (an even one of courses when it repeats along s); a size above 2 makes
+ *  no joints along that axis. Blocks and joints are opaque. */
 typedef struct pith_brick_layer {
     double size_r, size_s, size_t_; /* of a block with its joint, texture units */
-    double joint;                   /* width, texture units */
+    double joint;                   /* width, texture units; never below a voxel */
     double roundness;               /* of the blocks' edges, 0..1 of half their least size */
     double softness;                /* width of the blocks' edge, texture units; never below a voxel */
     float colour[3], joint_colour[3]; /* linear RGB */
@@ -70,7 +74,7 @@ typedef struct pith_layered_recipe {
     size_t noise_count;
     const pith_particle_layer *particles;
     size_t particle_count;
-    const pith_brick_layer *bricks;     /* laid down between colouring noises and particles */
+    const pith_brick_layer *bricks;     /* laid down before the colouring noises, so that those weather them */
     size_t brick_count;
     bool homogeneous;                   /* tiles along s too, for types 0-A, 0-B, 0-C: exactly one stop and no strip,
                                            noises and particles wrap along s, depth ranges must be the whole */
@@ -79,9 +83,12 @@ typedef struct pith_layered_recipe {
 /** Tables for the three plain structs above, so that documents, help and checks say the same. */
 extern const pith_params pith_noise_layer_params, pith_particle_layer_params, pith_brick_layer_params;
 
-/** Makes the exemplar: 4 channels (linear RGB and alpha 1), or 5 when a layer has displacement. Laid down in this
- *  order: warps of the depth, ramp, strip, colouring noises, particles. Deterministic from the seed, same bytes for any
- *  thread count, tiles exactly along r and t. Values are those at cell centres, s = (j + ½) / size_s: a skin one voxel
+/** Refuses what pith_exemplar_layered refuses, with the same words, without making anything. */
+pith_status pith_layered_recipe_check(const pith_layered_recipe *recipe, pith_error *err);
+
+/** Makes the exemplar: 4 channels (linear RGB and alpha), or 5 when a layer has displacement. Laid down in this
+ *  order: warps of the depth, ramp, strip, bricks, colouring noises, particles. Deterministic from the seed, same bytes for any
+ *  thread count, tiles exactly along r and t (and s). Values are those at cell centres, s = (j + ½) / size_s: a skin one voxel
  *  thick is row j = 0. PITH_BAD_ARGUMENT names the entry at fault, e.g. "noises[2]: amount is 3, ...". Cost: O(voxels *
  *  octaves of all noises), and for each particle its own voxels. */
 pith_status pith_exemplar_layered(const pith_layered_recipe *recipe, pith_grid **exemplar, pith_error *err);

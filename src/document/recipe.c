@@ -20,7 +20,10 @@ static pith_status build_stops(const char *file, const json_t *list, pith_recipe
     if (!stops) return PITH_OUT_OF_MEMORY(err, "stops");
     for (size_t i = 0; i < count; ++i) {
         const json_t *entry = json_array_get(list, i);
-        stops[i].depth = json_number_value(json_object_get(entry, "depth"));
+        stop_value value;
+        json_options(entry, &document_stop_params, &value);
+        stops[i].depth = value.depth;
+        stops[i].opacity = (float)value.opacity;
         json_colour(json_object_get(entry, "colour"), stops[i].colour);
         if (i > 0 && !(stops[i].depth >= stops[i - 1].depth))
             return pith_fail(err, PITH_BAD_DOCUMENT, "%s: stops[%zu].depth: is %g after %g, expected ascending depths",
@@ -51,6 +54,23 @@ static pith_status build_noises(const char *file, const json_t *list, pith_recip
     }
     made->recipe.noises = noises;
     made->recipe.noise_count = count;
+    return PITH_OK;
+}
+
+static pith_status build_bricks(const char *file, const json_t *list, pith_recipe *made, pith_error *err)
+{
+    const size_t count = json_array_size(list);
+    pith_brick_layer *bricks = arena_alloc(&made->memory, count, sizeof *bricks);
+    if (!bricks) return PITH_OUT_OF_MEMORY(err, "bricks");
+    for (size_t i = 0; i < count; ++i) {
+        const json_t *entry = json_array_get(list, i);
+        json_options(entry, &pith_brick_layer_params, &bricks[i]);
+        colour_of(entry, "colour", black, bricks[i].colour);
+        colour_of(entry, "joint_colour", black, bricks[i].joint_colour);
+        PITH_TRY(check_range(file, "bricks", i, bricks[i].depth_low, bricks[i].depth_high, err));
+    }
+    made->recipe.bricks = bricks;
+    made->recipe.brick_count = count;
     return PITH_OK;
 }
 
@@ -86,15 +106,21 @@ static pith_status build_strip(const char *file, const json_t *path, pith_recipe
 /* Of values, not of text: a default that changes in the program changes the hash, a reordered file does not. */
 static uint64_t hash_recipe(const pith_layered_recipe *r)
 {
-    const uint64_t head[5] = { r->size_r, r->size_s, r->size_t_, r->seed, r->strip != NULL };
+    const uint64_t head[6] = { r->size_r, r->size_s, r->size_t_, r->seed, r->strip != NULL, r->homogeneous };
     uint64_t hash = pith_hash_bytes(head, sizeof head, 0);
     for (size_t i = 0; i < r->stop_count; ++i) {
         hash = pith_hash_bytes(&r->stops[i].depth, sizeof(double), hash);
         hash = pith_hash_bytes(r->stops[i].colour, sizeof r->stops[i].colour, hash);
+        hash = pith_hash_bytes(&r->stops[i].opacity, sizeof r->stops[i].opacity, hash);
     }
     for (size_t i = 0; i < r->noise_count; ++i) {
         hash = hash_options(&pith_noise_layer_params, &r->noises[i], hash);
         hash = pith_hash_bytes(r->noises[i].colour, sizeof r->noises[i].colour, hash);
+    }
+    for (size_t i = 0; i < r->brick_count; ++i) {
+        hash = hash_options(&pith_brick_layer_params, &r->bricks[i], hash);
+        hash = pith_hash_bytes(r->bricks[i].colour, sizeof r->bricks[i].colour, hash);
+        hash = pith_hash_bytes(r->bricks[i].joint_colour, sizeof r->bricks[i].joint_colour, hash);
     }
     for (size_t i = 0; i < r->particle_count; ++i) {
         const pith_particle_layer *p = &r->particles[i];
@@ -118,13 +144,18 @@ static pith_status fill_recipe(const char *file, const json_t *object, pith_reci
     recipe_options options;
     json_options(object, &document_recipe_params, &options);
     made->recipe = (pith_layered_recipe){ .size_r = sizes[0], .size_s = sizes[1], .size_t_ = sizes[2],
-                                          .seed = options.seed, .strip_blend = options.strip_blend };
+                                          .seed = options.seed, .strip_blend = options.strip_blend,
+                                          .homogeneous = options.homogeneous };
     PITH_TRY(build_stops(file, json_object_get(object, "stops"), made, err));
     PITH_TRY(build_noises(file, json_object_get(object, "noises"), made, err));
+    PITH_TRY(build_bricks(file, json_object_get(object, "bricks"), made, err));
     PITH_TRY(build_particles(file, json_object_get(object, "particles"), made, err));
     if (strip) PITH_TRY(build_strip(file, strip, made, err));
     if (made->recipe.stop_count == 0 && !strip)
         return pith_fail(err, PITH_BAD_DOCUMENT, "%s: expected \"stops\", or a \"strip\", or both", file);
+    pith_error problem;
+    if (pith_layered_recipe_check(&made->recipe, &problem) != PITH_OK)
+        return pith_fail(err, PITH_BAD_DOCUMENT, "%s: %s", file, problem.message);
     made->hash = hash_recipe(&made->recipe);
     return PITH_OK;
 }

@@ -3,9 +3,9 @@
    through the volume, some noise, a few particles. */
 #include "exemplar_internal.h"
 
-
 #define STREAM_NOISE UINT64_C(0x100000000)    /* seeds of noises and streams of particles must not meet */
 #define STREAM_PARTICLES UINT64_C(0x200000000)
+#define STREAM_BRICKS UINT64_C(0x300000000)
 
 /* ---- refusals ------------------------------------------------------------------------------------------------ */
 
@@ -14,6 +14,11 @@ static bool is_colour(const float colour[3])
     for (int c = 0; c < 3; ++c)
         if (!(colour[c] >= 0.0f && colour[c] <= 1.0f)) return false;
     return true;
+}
+
+static exemplar_space space_of(const pith_layered_recipe *recipe)
+{
+    return (exemplar_space){ { recipe->size_r, recipe->size_s, recipe->size_t_ }, recipe->homogeneous };
 }
 
 static pith_status check_stops(const pith_layered_recipe *recipe, pith_error *err)
@@ -30,23 +35,39 @@ static pith_status check_stops(const pith_layered_recipe *recipe, pith_error *er
                              i, stop->depth, stop[-1].depth);
         if (!is_colour(stop->colour))
             return pith_fail(err, PITH_BAD_ARGUMENT, "stops[%zu]: colour is not within 0 to 1", i);
+        if (!(stop->opacity >= 0.0f && stop->opacity <= 1.0f))
+            return pith_fail(err, PITH_BAD_ARGUMENT, "stops[%zu]: opacity is %g, expected 0 (clear) to 1", i,
+                             (double)stop->opacity);
     }
+    if (!recipe->homogeneous) return PITH_OK;
+    if (recipe->strip)
+        return pith_fail(err, PITH_BAD_ARGUMENT, "strip: a homogeneous recipe has none, since it would not repeat "
+                         "along s; leave it out, or homogeneous");
+    if (recipe->stop_count != 1)
+        return pith_fail(err, PITH_BAD_ARGUMENT, "stops[1]: a homogeneous recipe has one stop, not %zu, since a ramp "
+                         "would not repeat along s; leave the others out, or homogeneous", recipe->stop_count);
     return PITH_OK;
 }
 
-static pith_status check_layer(const char *kind, size_t index, const pith_params *table, const void *layer,
-                               double depth_low, double depth_high, bool colours, pith_error *err)
+/* What the layers of all kinds have in common. */
+static pith_status check_layer(const pith_layered_recipe *recipe, const char *kind, size_t index,
+                               const pith_params *table, const void *layer, bool colours, pith_error *err)
 {
     const pith_status status = pith_params_check(table, layer, err);
     if (status != PITH_OK) return pith_fail_in(err, status, "%s[%zu]", kind, index);
+    const double depth_low = pith_param_get(pith_params_find(table, "depth_low"), layer);
+    const double depth_high = pith_param_get(pith_params_find(table, "depth_high"), layer);
     if (!(depth_low <= depth_high))
         return pith_fail(err, PITH_BAD_ARGUMENT, "%s[%zu]: depth_low %g lies beyond depth_high %g", kind, index,
                          depth_low, depth_high);
+    if (recipe->homogeneous && !(depth_low <= 0.0 && depth_high >= 1.0))
+        return pith_fail(err, PITH_BAD_ARGUMENT, "%s[%zu]: depths %g to %g, but a homogeneous recipe knows no depth: "
+                         "set depth_low 0 and depth_high 1", kind, index, depth_low, depth_high);
     if (!colours) return pith_fail(err, PITH_BAD_ARGUMENT, "%s[%zu]: a colour is not within 0 to 1", kind, index);
     return PITH_OK;
 }
 
-static pith_status check_recipe(const pith_layered_recipe *recipe, pith_error *err)
+pith_status pith_layered_recipe_check(const pith_layered_recipe *recipe, pith_error *err)
 {
     const uint32_t sizes[3] = { recipe->size_r, recipe->size_s, recipe->size_t_ };
     for (int axis = 0; axis < 3; ++axis)
@@ -59,29 +80,38 @@ static pith_status check_recipe(const pith_layered_recipe *recipe, pith_error *e
                          recipe->strip_blend);
     for (size_t i = 0; i < recipe->noise_count; ++i) {
         const pith_noise_layer *l = &recipe->noises[i];
-        PITH_TRY(check_layer("noises", i, &pith_noise_layer_params, l, l->depth_low, l->depth_high,
-                             is_colour(l->colour), err));
+        PITH_TRY(check_layer(recipe, "noises", i, &pith_noise_layer_params, l, is_colour(l->colour), err));
+    }
+    const exemplar_space space = space_of(recipe);
+    for (size_t i = 0; i < recipe->brick_count; ++i) {
+        const pith_brick_layer *l = &recipe->bricks[i];
+        const bool colours = is_colour(l->colour) && is_colour(l->joint_colour);
+        PITH_TRY(check_layer(recipe, "bricks", i, &pith_brick_layer_params, l, colours, err));
+        brickwork ignored;
+        const pith_status status = brickwork_make(l, &space, 0, &ignored, err);
+        if (status != PITH_OK) return pith_fail_in(err, status, "bricks[%zu]", i);
     }
     for (size_t i = 0; i < recipe->particle_count; ++i) {
         const pith_particle_layer *l = &recipe->particles[i];
         const bool colours = is_colour(l->colour) && is_colour(l->core_colour) && is_colour(l->halo_colour);
-        PITH_TRY(
-            check_layer("particles", i, &pith_particle_layer_params, l, l->depth_low, l->depth_high, colours, err));
+        PITH_TRY(check_layer(recipe, "particles", i, &pith_particle_layer_params, l, colours, err));
     }
     return PITH_OK;
 }
 
 /* ---- ramp and strip ------------------------------------------------------------------------------------------ */
 
-/* Linear between stops, constant beyond the first and last. */
-static void ramp_at(const pith_ramp_stop *stops, size_t count, double s, float colour[3])
+/* Linear between stops, constant beyond the first and last; RGBA. */
+static void ramp_at(const pith_ramp_stop *stops, size_t count, double s, float value[4])
 {
     size_t next = 0;
     while (next < count && stops[next].depth <= s) ++next;
     const pith_ramp_stop *low = &stops[next ? next - 1 : 0], *high = &stops[next < count ? next : count - 1];
     const double width = high->depth - low->depth;
     const float w = width > 0.0 ? (float)((s - low->depth) / width) : 0.0f;
-    for (int c = 0; c < 3; ++c) colour[c] = low->colour[c] + w * (high->colour[c] - low->colour[c]);
+    for (int c = 0; c < 3; ++c) value[c] = low->colour[c];
+    value[3] = low->opacity;
+    mix_matter(value, high->colour, 1.0f, high->opacity, w);
 }
 
 /* A photograph's pixel as RGBA; outside the picture its border. */
@@ -149,15 +179,16 @@ static pith_status strip_table(const pith_layered_recipe *recipe, float (**table
     return PITH_OK;
 }
 
-/* Mixes the strip's colour at column i and depth s over the ramp's. */
-static void blend_strip(const pith_layered_recipe *recipe, float (*table)[4], uint32_t i, double s, float colour[3])
+/* Mixes the strip at column i and depth s into the ramp; the strip is opaque where it is at all. */
+static void blend_strip(const pith_layered_recipe *recipe, float (*table)[4], uint32_t i, double s, float value[4])
 {
     const uint32_t n_r = recipe->size_r, n_s = recipe->size_s;
     const double y = fmin(fmax(s * n_s - 0.5, 0.0), n_s - 1.0);
     const uint32_t row = (uint32_t)y, below = row + 1 < n_s ? row + 1 : row;
     const float w = (float)(y - row), *a = table[(size_t)row * n_r + i], *b = table[(size_t)below * n_r + i];
     const float blend = (float)(recipe->stop_count ? recipe->strip_blend : 1.0) * (a[3] + w * (b[3] - a[3]));
-    for (int c = 0; c < 3; ++c) colour[c] += blend * (a[c] + w * (b[c] - a[c]) - colour[c]);
+    const float colour[3] = { a[0] + w * (b[0] - a[0]), a[1] + w * (b[1] - a[1]), a[2] + w * (b[2] - a[2]) };
+    mix_matter(value, colour, 1.0f, 1.0f, blend);
 }
 
 /* ---- the volume ---------------------------------------------------------------------------------------------- */
@@ -167,6 +198,7 @@ typedef struct workshop {
     const pith_layered_recipe *recipe;
     float (*strip)[4];
     noise *noises;              /* [noise_count] */
+    brickwork *bricks;          /* [brick_count] */
     particle **particles;       /* [particle_count][counts] */
     size_t *counts;
     pith_grid *exemplar;
@@ -211,8 +243,27 @@ static void warp_row(const workshop *w, double s, double t, double *depth, doubl
     }
     range[0] = 1.0, range[1] = 0.0;
     for (uint32_t i = 0; i < recipe->size_r; ++i) {
-        depth[i] = fmin(fmax(depth[i], 0.0), 1.0);
+        depth[i] = recipe->homogeneous ? depth[i] - floor(depth[i]) : fmin(fmax(depth[i], 0.0), 1.0);
         range[0] = fmin(range[0], depth[i]), range[1] = fmax(range[1], depth[i]);
+    }
+}
+
+/* Colouring noises over one row, in order; those that act elsewhere are not evaluated. */
+static void paint_noises(const workshop *w, float *row, double s, double t, const double *depth, const double range[2])
+{
+    const pith_layered_recipe *recipe = w->recipe;
+    const uint32_t n_r = recipe->size_r, channels = w->exemplar->channels;
+    for (size_t n = 0; n < recipe->noise_count; ++n) {
+        const pith_noise_layer *l = &recipe->noises[n];
+        if (l->warp > 0.0 || range[0] > l->depth_high || range[1] < l->depth_low) continue;
+        float noise_value[EXEMPLAR_SIDE_MAX];
+        noise_row(&w->noises[n], n_r, s, t, noise_value);
+        for (uint32_t i = 0; i < n_r; ++i) {
+            float *value = row + (size_t)i * channels;
+            const double weight = depth_window(l, depth[i]) * noise_weight(l, noise_value[i]);
+            for (int c = 0; c < 3; ++c) value[c] += (float)(l->amount * weight) * (l->colour[c] - value[c]);
+            if (channels > 4) value[4] += (float)(l->displacement * weight);
+        }
     }
 }
 
@@ -233,19 +284,13 @@ static void paint_row(const workshop *w, uint32_t j, uint32_t k)
         if (recipe->stop_count) ramp_at(recipe->stops, recipe->stop_count, depth[i], value);
         if (w->strip) blend_strip(recipe, w->strip, i, depth[i], value);
     }
-    /* colouring noises, in order; those that act elsewhere are not evaluated */
-    for (size_t n = 0; n < recipe->noise_count; ++n) {
-        const pith_noise_layer *l = &recipe->noises[n];
-        if (l->warp > 0.0 || range[0] > l->depth_high || range[1] < l->depth_low) continue;
-        float noise_value[EXEMPLAR_SIDE_MAX];
-        noise_row(&w->noises[n], n_r, s, t, noise_value);
-        for (uint32_t i = 0; i < n_r; ++i) {
-            float *value = row + (size_t)i * channels;
-            const double weight = depth_window(l, depth[i]) * noise_weight(l, noise_value[i]);
-            for (int c = 0; c < 3; ++c) value[c] += (float)(l->amount * weight) * (l->colour[c] - value[c]);
-            if (channels > 4) value[4] += (float)(l->displacement * weight);
-        }
+    for (size_t n = 0; n < recipe->brick_count; ++n) {
+        const pith_brick_layer *l = &recipe->bricks[n];
+        for (uint32_t i = 0; i < n_r; ++i)
+            if (depth[i] >= l->depth_low && depth[i] <= l->depth_high)
+                brickwork_paint(&w->bricks[n], (i + 0.5) / n_r, depth[i], t, row + (size_t)i * channels, channels);
     }
+    paint_noises(w, row, s, t, depth, range);
 }
 
 static bool has_displacement(const pith_layered_recipe *recipe)
@@ -254,26 +299,32 @@ static bool has_displacement(const pith_layered_recipe *recipe)
         if (recipe->noises[i].displacement != 0.0) return true;
     for (size_t i = 0; i < recipe->particle_count; ++i)
         if (recipe->particles[i].displacement != 0.0) return true;
+    for (size_t i = 0; i < recipe->brick_count; ++i)
+        if (recipe->bricks[i].displacement != 0.0) return true;
     return false;
 }
 
 static pith_status prepare(workshop *w, pith_error *err)
 {
     const pith_layered_recipe *recipe = w->recipe;
-    const uint32_t size[3] = { recipe->size_r, recipe->size_s, recipe->size_t_ };
+    const exemplar_space space = space_of(recipe);
     if (recipe->strip) PITH_TRY(strip_table(recipe, &w->strip, err));
     w->noises = pith_alloc(recipe->noise_count, sizeof *w->noises);
     w->particles = pith_alloc(recipe->particle_count, sizeof *w->particles);
     w->counts = pith_alloc(recipe->particle_count, sizeof *w->counts);
-    if (!w->noises || !w->particles || !w->counts) return PITH_OUT_OF_MEMORY(err, "the recipe's layers");
+    w->bricks = pith_alloc(recipe->brick_count, sizeof *w->bricks);
+    if (!w->noises || !w->particles || !w->counts || !w->bricks) return PITH_OUT_OF_MEMORY(err, "the recipe's layers");
     for (size_t n = 0; n < recipe->noise_count; ++n)
         PITH_TRY(
-            noise_make(&recipe->noises[n], size, pith_mix64(recipe->seed ^ (STREAM_NOISE + n)), &w->noises[n], err));
+            noise_make(&recipe->noises[n], &space, pith_mix64(recipe->seed ^ (STREAM_NOISE + n)), &w->noises[n], err));
+    for (size_t n = 0; n < recipe->brick_count; ++n)
+        PITH_TRY(brickwork_make(&recipe->bricks[n], &space, pith_mix64(recipe->seed ^ (STREAM_BRICKS + n)), &w->bricks[n],
+                                err));
     for (size_t n = 0; n < recipe->particle_count; ++n)
-        PITH_TRY(particles_throw(&recipe->particles[n], size, recipe->seed, STREAM_PARTICLES + n, &w->particles[n],
+        PITH_TRY(particles_throw(&recipe->particles[n], &space, recipe->seed, STREAM_PARTICLES + n, &w->particles[n],
                                  &w->counts[n], err));
-    PITH_TRY(pith_grid_create(size, has_displacement(recipe) ? 5 : 4, &w->exemplar, err));
-    w->exemplar->spacing = pith_v3(1.0 / size[0], 1.0 / size[1], 1.0 / size[2]);
+    PITH_TRY(pith_grid_create(space.voxels, has_displacement(recipe) ? 5 : 4, &w->exemplar, err));
+    w->exemplar->spacing = pith_v3(1.0 / space.voxels[0], 1.0 / space.voxels[1], 1.0 / space.voxels[2]);
     return PITH_OK;
 }
 
@@ -284,6 +335,7 @@ static void sweep_up(workshop *w)
     if (w->particles)
         for (size_t n = 0; n < w->recipe->particle_count; ++n) pith_free(w->particles[n]);
     pith_free(w->noises);
+    pith_free(w->bricks);
     pith_free(w->particles);
     pith_free(w->counts);
     pith_free(w->strip);
@@ -292,7 +344,7 @@ static void sweep_up(workshop *w)
 
 pith_status pith_exemplar_layered(const pith_layered_recipe *recipe, pith_grid **exemplar, pith_error *err)
 {
-    PITH_TRY(check_recipe(recipe, err));
+    PITH_TRY(pith_layered_recipe_check(recipe, err));
     workshop w = { .recipe = recipe };
     const pith_status status = prepare(&w, err);
     if (status == PITH_OK) {
@@ -301,7 +353,8 @@ pith_status pith_exemplar_layered(const pith_layered_recipe *recipe, pith_grid *
         for (uint32_t k = 0; k < recipe->size_t_; ++k) {
             for (uint32_t j = 0; j < recipe->size_s; ++j) paint_row(&w, j, k);
             for (size_t n = 0; n < recipe->particle_count; ++n)
-                particles_paint_slice(&recipe->particles[n], w.particles[n], w.counts[n], w.exemplar, k);
+                particles_paint_slice(&recipe->particles[n], w.particles[n], w.counts[n], recipe->homogeneous,
+                                      w.exemplar, k);
         }
         *exemplar = w.exemplar;
         w.exemplar = NULL;
@@ -312,7 +365,7 @@ pith_status pith_exemplar_layered(const pith_layered_recipe *recipe, pith_grid *
 
 /* ---- seams --------------------------------------------------------------------------------------------------- */
 
-/* Greatest steps along one axis (0 or 2) over all channels: inside, and from the last cell to the first. */
+/* Greatest steps along one axis over all channels: inside, and from the last cell to the first. */
 static void steps_along(const pith_grid *g, int axis, float *inside, float *border)
 {
     const size_t stride[3] = { g->channels, (size_t)g->size[0] * g->channels,
@@ -320,7 +373,7 @@ static void steps_along(const pith_grid *g, int axis, float *inside, float *bord
     const size_t cells = (size_t)g->size[0] * g->size[1] * g->size[2];
     const uint32_t n = g->size[axis];
     for (size_t cell = 0; cell < cells; ++cell) {
-        const size_t at = axis == 0 ? cell % n : cell / ((size_t)g->size[0] * g->size[1]);
+        const size_t at = cell * g->channels / stride[axis] % n;
         const float *value = g->values + cell * g->channels;
         const float *next = at + 1 < n ? value + stride[axis] : value - at * stride[axis];
         float *most = at + 1 < n ? inside : border;
@@ -328,13 +381,14 @@ static void steps_along(const pith_grid *g, int axis, float *inside, float *bord
     }
 }
 
-double pith_exemplar_seam(const pith_grid *exemplar)
+static double seam_along(const pith_grid *exemplar, int axis)
 {
-    double worst = 0.0;
-    for (int axis = 0; axis < 3; axis += 2) {
-        float inside = 0.0f, border = 0.0f;
-        steps_along(exemplar, axis, &inside, &border);
-        if (border > 0.0f) worst = fmax(worst, inside > 0.0f ? (double)border / inside : INFINITY);
-    }
-    return worst;
+    float inside = 0.0f, border = 0.0f;
+    steps_along(exemplar, axis, &inside, &border);
+    if (!(border > 0.0f)) return 0.0;
+    return inside > 0.0f ? (double)border / inside : INFINITY;
 }
+
+double pith_exemplar_seam(const pith_grid *exemplar) { return fmax(seam_along(exemplar, 0), seam_along(exemplar, 2)); }
+
+double pith_exemplar_seam_s(const pith_grid *exemplar) { return seam_along(exemplar, 1); }

@@ -1,6 +1,6 @@
 /* Gradient noise with a period: Perlin, "Improving Noise", ACM TOG 21(3), 2002 - its twelve gradients and its fade
    curve - with gradients hashed from lattice coordinates taken modulo the period, so that it tiles exactly along r and
-   t. */
+   t, and along s where the exemplar does. */
 #include "exemplar_internal.h"
 
 #include <string.h>
@@ -44,39 +44,55 @@ static pith_status place_columns(noise_octave *o, uint32_t voxels_r, pith_error 
     return PITH_OK;
 }
 
-/* Cells of one period along a periodic axis: 0 where the feature is longer than two periods, at most one a two voxels.
-   */
-static uint32_t periodic_cells(double feature, double scale, uint32_t voxels)
+uint32_t cells_of_period(double feature) { return (uint32_t)round(1.0 / feature); }
+
+/* The same for an octave `scale` times as fine, at most one cell a two voxels. */
+static uint32_t octave_cells(double feature, double scale, uint32_t voxels)
 {
-    const double cells = round(1.0 / feature) * scale, finest = voxels / 2;
+    const double cells = cells_of_period(feature) * scale, finest = voxels / 2;
     return (uint32_t)(cells < finest ? cells : finest);
 }
 
-pith_status noise_make(const pith_noise_layer *layer, const uint32_t voxels[3], uint64_t seed, noise *made,
+/* Sizes and phases of one octave's lattice. */
+static void lay_out_octave(const pith_noise_layer *layer, const exemplar_space *space, double scale, uint64_t seed,
+                           noise_octave *o)
+{
+    const uint32_t cells_r = octave_cells(layer->size_r, scale, space->voxels[0]);
+    const uint32_t cells_t = octave_cells(layer->size_t_, scale, space->voxels[2]);
+    o->per_r = cells_r, o->per_t = cells_t;
+    o->count_r = cells_r ? cells_r : 1;
+    o->count_t = cells_t ? cells_t : 1;
+    o->phase_r = (double)(seed & 0xffff) / 65536.0;
+    o->phase_t = (double)(seed >> 16 & 0xffff) / 65536.0;
+    o->repeats_s = space->repeats_s;
+    if (o->repeats_s) {
+        const uint32_t cells_s = octave_cells(layer->size_s, scale, space->voxels[1]);
+        o->per_s = cells_s;
+        o->count_s = cells_s ? cells_s : 1;
+        o->phase_s = (double)(seed >> 32 & 0xffff) / 65536.0;
+    } else {
+        o->per_s = fmin(scale / layer->size_s, 0.5 * space->voxels[1]);
+        o->count_s = (uint32_t)ceil(o->per_s) + 2;
+    }
+}
+
+pith_status noise_make(const pith_noise_layer *layer, const exemplar_space *space, uint64_t seed, noise *made,
                        pith_error *err)
 {
     noise n = { 0 };
     double power = 0.0, amplitude = 1.0, scale = 1.0;
     for (uint32_t i = 0; i < layer->octaves; ++i, amplitude *= 0.5, scale *= 2.0) {
         noise_octave *o = &n.octaves[i];
-        const uint32_t cells_r = periodic_cells(layer->size_r, scale, voxels[0]);
-        const uint32_t cells_t = periodic_cells(layer->size_t_, scale, voxels[2]);
-        o->per_r = cells_r, o->per_t = cells_t;
-        o->per_s = fmin(scale / layer->size_s, 0.5 * voxels[1]);
+        const uint64_t octave_seed = pith_mix64(seed + i);
+        lay_out_octave(layer, space, scale, octave_seed, o);
         /* An octave that could not become finer on any axis would only repeat the one before. */
         const noise_octave *before = i ? o - 1 : NULL;
         if (before && o->per_r == before->per_r && o->per_s == before->per_s && o->per_t == before->per_t) break;
-        o->count_r = cells_r ? cells_r : 1;
-        o->count_t = cells_t ? cells_t : 1;
-        o->count_s = (uint32_t)ceil(o->per_s) + 2;
-        const uint64_t octave_seed = pith_mix64(seed + i);
-        o->phase_r = (double)(octave_seed & 0xffff) / 65536.0;
-        o->phase_t = (double)(octave_seed >> 16 & 0xffff) / 65536.0;
         o->amplitude = (float)amplitude;
         power += amplitude * amplitude;
         n.octave_count = i + 1;
         pith_status status = fill_lattice(o, octave_seed, err);
-        if (status == PITH_OK) status = place_columns(o, voxels[0], err);
+        if (status == PITH_OK) status = place_columns(o, space->voxels[0], err);
         if (status != PITH_OK) {
             noise_free(&n);
             return status;
@@ -97,14 +113,21 @@ void noise_free(noise *n)
     n->octave_count = 0;
 }
 
+/* The two lattice rows around s; returns the place between them. */
+static inline float lattice_rows(const noise_octave *o, double s, uint32_t is[2])
+{
+    const double y = s * o->per_s + o->phase_s;
+    if (o->repeats_s) return wrap_cell(y, o->count_s, is);
+    is[0] = (uint32_t)y, is[1] = (uint32_t)y + 1;
+    return (float)(y - is[0]);
+}
+
 static float octave_at(const noise_octave *o, double r, double s, double t)
 {
-    uint32_t ir[2], it[2];
+    uint32_t ir[2], is[2], it[2];
     const float fx = wrap_cell(r * o->per_r + o->phase_r, o->count_r, ir);
     const float fz = wrap_cell(t * o->per_t + o->phase_t, o->count_t, it);
-    const double y = s * o->per_s;
-    const uint32_t is[2] = { (uint32_t)y, (uint32_t)y + 1 };
-    const float fy = (float)(y - is[0]);
+    const float fy = lattice_rows(o, s, is);
 
     float corner[2][2][2];
     for (int c = 0; c < 2; ++c)
@@ -135,11 +158,9 @@ float noise_at(const noise *n, double r, double s, double t)
    slope and a height. What is left for a voxel is to fade between two lines. */
 static void add_octave_row(const noise_octave *o, uint32_t voxels_r, double s, double t, float *values)
 {
-    uint32_t it[2];
+    uint32_t is[2], it[2];
     const float fz = wrap_cell(t * o->per_t + o->phase_t, o->count_t, it);
-    const double y = s * o->per_s;
-    const uint32_t is[2] = { (uint32_t)y, (uint32_t)y + 1 };
-    const float fy = (float)(y - is[0]), v = fade_curve(fy), w = fade_curve(fz);
+    const float fy = lattice_rows(o, s, is), v = fade_curve(fy), w = fade_curve(fz);
 
     float slope[NOISE_CELLS_MAX], height[NOISE_CELLS_MAX];
     for (uint32_t a = 0; a < o->count_r; ++a) slope[a] = height[a] = 0.0f;

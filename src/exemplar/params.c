@@ -54,8 +54,34 @@ static const pith_param particle_items[] = {
     { "halo_width", "radii", "how far the halo reaches", REAL, 0.05, 0.6, 4, PARTICLE(halo_width), NULL },
     { "displacement", "texture units", "added to the displacement channel inside the particle", REAL, -1, 0, 1,
       PARTICLE(displacement), NULL },
+    { "opacity", "1", "inside the particle; 0 is a hole that is seen through", REAL, 0, 1, 1, PARTICLE(opacity), NULL },
 };
 
 const pith_params pith_particle_layer_params = { "particle", particle_items,
                                                  sizeof particle_items / sizeof *particle_items,
                                                  sizeof(pith_particle_layer) };
+
+#define BRICK(field) offsetof(pith_brick_layer, field)
+
+static const pith_param brick_items[] = {
+    { "size_r", "texture units", "of a block with its joint along r; above 2 there are no joints along r", REAL, 0.03,
+      0.5, 100, BRICK(size_r), NULL },
+    { "size_s", "texture units", "of a course with its joint; above 2 there is one endless course", REAL, 0.03, 0.25,
+      100, BRICK(size_s), NULL },
+    { "size_t", "texture units", "of a block with its joint along t; above 2 there are no joints along t", REAL, 0.03,
+      0.5, 100, BRICK(size_t_), NULL },
+    { "joint", "texture units", "width of the joints; at least a voxel", REAL, 0.002, 0.03, 0.5, BRICK(joint), NULL },
+    { "roundness", "1", "of the blocks' edges; 1 rounds the least side off entirely", REAL, 0, 0.2, 1, BRICK(roundness),
+      NULL },
+    { "softness", "texture units", "width of the blocks' edges; at least a voxel", REAL, 0, 0, 0.5, BRICK(softness),
+      NULL },
+    { "colour_variation", "1", "random darkening of whole blocks, up to this share", REAL, 0, 0.2, 1,
+      BRICK(colour_variation), NULL },
+    { "depth_low", "1", "outer end of the depths where the layer acts", REAL, 0, 0, 1, BRICK(depth_low), NULL },
+    { "depth_high", "1", "inner end of the depths where the layer acts", REAL, 0, 1, 1, BRICK(depth_high), NULL },
+    { "displacement", "texture units", "added to the displacement channel inside the blocks", REAL, -1, 0, 1,
+      BRICK(displacement), NULL },
+};
+
+const pith_params pith_brick_layer_params = { "brick", brick_items, sizeof brick_items / sizeof *brick_items,
+                                              sizeof(pith_brick_layer) };

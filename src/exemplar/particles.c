@@ -7,10 +7,11 @@
 
 /* ---- throwing ------------------------------------------------------------------------------------------------ */
 
-/* Centres by cell, so that a dart meets its neighbours only. Along r and t cells wrap. */
+/* Centres by cell, so that a dart meets its neighbours only. Cells wrap along the axes that repeat. */
 typedef struct dart_board {
     const pith_particle_layer *layer;
     const particle *particles;
+    bool wraps[3];
     double reach[3];            /* least distance along each axis */
     uint32_t cells[3];
     uint32_t *first, *next;     /* chains of particles: [cells], [particles]; PITH_NONE ends */
@@ -22,13 +23,13 @@ static uint32_t cell_of(const dart_board *b, const double centre[3], int axis)
     return cell < b->cells[axis] ? cell : b->cells[axis] - 1;
 }
 
-/* Squared distance with each axis in units of the least distance; r and t the short way round. */
+/* Squared distance with each axis in units of the least distance; the short way round where it repeats. */
 static double scaled_distance2(const dart_board *b, const double p[3], const double q[3])
 {
     double sum = 0.0;
     for (int axis = 0; axis < 3; ++axis) {
         double d = fabs(p[axis] - q[axis]);
-        if (axis != 1 && d > 0.5) d = 1.0 - d;
+        if (b->wraps[axis] && d > 0.5) d = 1.0 - d;
         d /= b->reach[axis];
         sum += d * d;
     }
@@ -41,7 +42,7 @@ static bool has_room(const dart_board *b, const double centre[3])
     uint32_t low[3], span[3];
     for (int axis = 0; axis < 3; ++axis) {
         const uint32_t cell = cell_of(b, centre, axis), n = b->cells[axis];
-        if (axis == 1) {
+        if (!b->wraps[axis]) {
             low[axis] = cell ? cell - 1 : 0;
             span[axis] = (cell + 1 < n ? cell + 1 : n - 1) - low[axis] + 1;
         } else {
@@ -52,9 +53,10 @@ static bool has_room(const dart_board *b, const double centre[3])
     for (uint32_t c = 0; c < span[2]; ++c)
         for (uint32_t j = 0; j < span[1]; ++j)
             for (uint32_t a = 0; a < span[0]; ++a) {
-                const uint32_t i = (low[0] + a) % b->cells[0], k = (low[2] + c) % b->cells[2];
-                for (uint32_t p = b->first[((size_t)k * b->cells[1] + low[1] + j) * b->cells[0] + i]; p != PITH_NONE;
-                     p = b->next[p])
+                const uint32_t at[3] = { (low[0] + a) % b->cells[0], (low[1] + j) % b->cells[1],
+                                         (low[2] + c) % b->cells[2] };
+                uint32_t p = b->first[((size_t)at[2] * b->cells[1] + at[1]) * b->cells[0] + at[0]];
+                for (; p != PITH_NONE; p = b->next[p])
                     if (scaled_distance2(b, centre, b->particles[p].centre) < 1.0) return false;
             }
     return true;
@@ -110,12 +112,12 @@ static bool prepare_board(dart_board *b, uint32_t wanted)
     return true;
 }
 
-pith_status particles_throw(const pith_particle_layer *layer, const uint32_t voxels[3], uint64_t seed, uint64_t stream,
-                            particle **particles, size_t *count, pith_error *err)
+pith_status particles_throw(const pith_particle_layer *layer, const exemplar_space *space, uint64_t seed,
+                            uint64_t stream, particle **particles, size_t *count, pith_error *err)
 {
     const uint32_t wanted = (uint32_t)layer->density;
     particle *made = pith_alloc(wanted, sizeof *made);
-    dart_board board = { .layer = layer, .particles = made };
+    dart_board board = { .layer = layer, .particles = made, .wraps = { true, space->repeats_s, true } };
     if (!made || !prepare_board(&board, wanted)) {
         pith_free(made);
         pith_free(board.first);
@@ -134,7 +136,7 @@ pith_status particles_throw(const pith_particle_layer *layer, const uint32_t vox
             full = !has_room(&board, p.centre);
         }
         if (full) break;
-        furnish(layer, voxels, &rng, &p);
+        furnish(layer, space->voxels, &rng, &p);
         made[thrown] = p;
         remember(&board, p.centre, thrown++);
     }
@@ -173,11 +175,6 @@ static double particle_distance(const pith_particle_layer *layer, const particle
     return d;
 }
 
-static void blend(float *value, const float colour[3], float shade, float weight)
-{
-    for (int c = 0; c < 3; ++c) value[c] += weight * (shade * colour[c] - value[c]);
-}
-
 /* The body hides what is under it up to its edge, which is as wide as a voxel or softer. */
 static void paint_body(const pith_particle_layer *layer, const particle *p, double d, double growth, float *value,
                        uint32_t channels)
@@ -188,21 +185,21 @@ static void paint_body(const pith_particle_layer *layer, const particle *p, doub
     const float rim = (float)fmin(d * d, 1.0);
     float colour[3];
     for (int c = 0; c < 3; ++c) colour[c] = layer->core_colour[c] + rim * (layer->colour[c] - layer->core_colour[c]);
-    blend(value, colour, p->shade, cover);
+    mix_matter(value, colour, p->shade, (float)layer->opacity, cover);
     if (channels > 4) value[4] += cover * (float)layer->displacement;
 }
 
-/* The halo is full at the particle's surface and gone at its reach. */
+/* The halo is full at the particle's surface and gone at its reach. It stains what is there, opaque or not. */
 static void paint_halo(const pith_particle_layer *layer, double d, float *value)
 {
     const double out = fmin(fmax((d - 1.0) / layer->halo_width, 0.0), 1.0);
     const float strength = (float)(layer->halo * (1.0 - out) * (1.0 - out) * (1.0 + 2.0 * out));
-    if (strength > 0.0f) blend(value, layer->halo_colour, 1.0f, strength);
+    for (int c = 0; c < 3; ++c) value[c] += strength * (layer->halo_colour[c] - value[c]);
 }
 
-/* One image of a particle: voxels of the slice inside its box. r wraps voxel by voxel, s is cut off at 0 and 1. */
-static void paint_image(const pith_particle_layer *layer, const particle *p, bool halos, pith_grid *exemplar,
-                        uint32_t k, double offset_t)
+/* One image of a particle: voxels of the slice inside its box. r wraps voxel by voxel, s too or is cut off at 0 and 1. */
+static void paint_image(const pith_particle_layer *layer, const particle *p, bool halos, bool repeats_s,
+                        pith_grid *exemplar, uint32_t k, double offset_t)
 {
     const int64_t n_r = exemplar->size[0], n_s = exemplar->size[1];
     const double voxel[3] = { 1.0 / exemplar->size[0], 1.0 / exemplar->size[1], 1.0 / exemplar->size[2] };
@@ -210,24 +207,26 @@ static void paint_image(const pith_particle_layer *layer, const particle *p, boo
     const int64_t i_high = (int64_t)floor((p->centre[0] + p->extent[0]) * (double)n_r - 0.5);
     int64_t j_low = (int64_t)ceil((p->centre[1] - p->extent[1]) * (double)n_s - 0.5);
     int64_t j_high = (int64_t)floor((p->centre[1] + p->extent[1]) * (double)n_s - 0.5);
-    if (j_low < 0) j_low = 0;
-    if (j_high > n_s - 1) j_high = n_s - 1;
-    for (int64_t j = j_low; j <= j_high; ++j)
+    if (j_low < 0 && !repeats_s) j_low = 0;
+    if (j_high > n_s - 1 && !repeats_s) j_high = n_s - 1;
+    for (int64_t j = j_low; j <= j_high; ++j) {
+        const int64_t row = ((j % n_s) + n_s) % n_s;
         for (int64_t i = i_low; i <= i_high; ++i) {
             const double offset[3] = { ((double)i + 0.5) * voxel[0] - p->centre[0],
                                        ((double)j + 0.5) * voxel[1] - p->centre[1], offset_t };
             double growth;
             const double d = particle_distance(layer, p, offset, voxel, &growth);
             const int64_t wrapped = ((i % n_r) + n_r) % n_r;
-            float *value = exemplar->values + (((int64_t)k * n_s + j) * n_r + wrapped) * exemplar->channels;
+            float *value = exemplar->values + (((int64_t)k * n_s + row) * n_r + wrapped) * exemplar->channels;
             if (halos)
                 paint_halo(layer, d, value);
             else
                 paint_body(layer, p, d, growth, value, exemplar->channels);
         }
+    }
 }
 
-void particles_paint_slice(const pith_particle_layer *layer, const particle *particles, size_t count,
+void particles_paint_slice(const pith_particle_layer *layer, const particle *particles, size_t count, bool repeats_s,
                            pith_grid *exemplar, uint32_t k)
 {
     const double t = (k + 0.5) / exemplar->size[2];
@@ -238,6 +237,6 @@ void particles_paint_slice(const pith_particle_layer *layer, const particle *par
             /* Every image of the particle, whole periods along t apart, that reaches this slice. */
             const double low = ceil(p->centre[2] - p->extent[2] - t), high = floor(p->centre[2] + p->extent[2] - t);
             for (double image = low; image <= high; image += 1.0)
-                paint_image(layer, p, pass == 0, exemplar, k, t + image - p->centre[2]);
+                paint_image(layer, p, pass == 0, repeats_s, exemplar, k, t + image - p->centre[2]);
         }
 }

@@ -42,9 +42,9 @@ typedef struct rich {
 static void make_rich(rich *r)
 {
     memset(r, 0, sizeof *r);
-    r->stops[0] = (pith_ramp_stop){ 0.0, { 0.2f, 0.1f, 0.0f } };
-    r->stops[1] = (pith_ramp_stop){ 0.3, { 0.1f, 0.6f, 0.1f } };
-    r->stops[2] = (pith_ramp_stop){ 1.0, { 0.9f, 0.8f, 0.7f } };
+    r->stops[0] = (pith_ramp_stop){ 0.0, { 0.2f, 0.1f, 0.0f }, 1 };
+    r->stops[1] = (pith_ramp_stop){ 0.3, { 0.1f, 0.6f, 0.1f }, 1 };
+    r->stops[2] = (pith_ramp_stop){ 1.0, { 0.9f, 0.8f, 0.7f }, 1 };
     for (int i = 0; i < 3; ++i) r->noises[i] = default_noise();
     r->noises[0].warp = 0.1;
     r->noises[1].octaves = 3;
@@ -65,9 +65,9 @@ static void test_ramp_is_exact_at_cell_centres(void **state)
 {
     (void)state;
     /* A step at 0.04, a slope from there to 0.5, constant beyond. */
-    const pith_ramp_stop stops[] = { { 0.04, { 0.5f, 0.25f, 0.125f } },
-                                     { 0.04, { 0, 0, 0 } },
-                                     { 0.5, { 1, 0.5f, 0 } } };
+    const pith_ramp_stop stops[] = { { 0.04, { 0.5f, 0.25f, 0.125f }, 1 },
+                                     { 0.04, { 0, 0, 0 }, 1 },
+                                     { 0.5, { 1, 0.5f, 0 }, 1 } };
     const pith_layered_recipe recipe = plain_recipe(stops, 3);
     pith_error err;
     pith_grid *g = NULL;
@@ -119,7 +119,7 @@ static void test_strip_is_swept_along_t_and_tiles_along_r(void **state)
     pith_grid_destroy(g);
 
     /* Half of the strip over a black ramp; a transparent strip is none. */
-    const pith_ramp_stop black = { 0, { 0, 0, 0 } };
+    const pith_ramp_stop black = { 0, { 0, 0, 0 }, 1 };
     recipe.stops = &black, recipe.stop_count = 1, recipe.strip_blend = 0.5;
     CHECK_OK(pith_exemplar_layered(&recipe, &g, &err));
     CHECK_NEAR(cell(g, 3, 3, 3)[2], 0.15, 1e-7);
@@ -139,7 +139,7 @@ static void test_strip_is_swept_along_t_and_tiles_along_r(void **state)
 static void test_noise_stays_in_its_depths(void **state)
 {
     (void)state;
-    const pith_ramp_stop black = { 0, { 0, 0, 0 } };
+    const pith_ramp_stop black = { 0, { 0, 0, 0 }, 1 };
     pith_noise_layer layer = default_noise();
     layer.depth_low = 0.25, layer.depth_high = 0.5, layer.fade = 0.1, layer.amount = 1.0, layer.coverage = 0.5;
     layer.colour[1] = 1.0f;
@@ -165,7 +165,7 @@ static void test_noise_stays_in_its_depths(void **state)
 static void test_warp_moves_depths_no_farther_than_told(void **state)
 {
     (void)state;
-    const pith_ramp_stop stops[] = { { 0, { 0, 0, 0 } }, { 1, { 1, 1, 1 } } }; /* the colour is the depth */
+    const pith_ramp_stop stops[] = { { 0, { 0, 0, 0 }, 1 }, { 1, { 1, 1, 1 }, 1 } }; /* the colour is the depth */
     pith_noise_layer layer = default_noise();
     layer.warp = 0.06;
     pith_layered_recipe recipe = plain_recipe(stops, 2);
@@ -187,7 +187,7 @@ static void test_warp_moves_depths_no_farther_than_told(void **state)
 static void test_darts_keep_their_distance_and_depth(void **state)
 {
     (void)state;
-    const uint32_t voxels[3] = { 64, 64, 64 };
+    const exemplar_space space = { { 64, 64, 64 }, false };
     for (int trial = 0; trial < 6; ++trial) {
         pith_particle_layer l = default_particles();
         l.radius_r = 0.02 + 0.05 * trial, l.radius_s = 0.03, l.radius_t = 0.07, l.density = 300,
@@ -196,7 +196,7 @@ static void test_darts_keep_their_distance_and_depth(void **state)
         particle *p = NULL;
         size_t count = 0;
         pith_error err;
-        CHECK_OK(particles_throw(&l, voxels, 9, (uint64_t)trial, &p, &count, &err));
+        CHECK_OK(particles_throw(&l, &space, 9, (uint64_t)trial, &p, &count, &err));
         assert_true(count > 5 && count <= 300);
         double nearest = INFINITY;
         for (size_t a = 0; a < count; ++a) {
@@ -218,7 +218,7 @@ static void test_darts_keep_their_distance_and_depth(void **state)
 static void test_particles_have_their_volume_and_stay_in_their_depths(void **state)
 {
     (void)state;
-    const pith_ramp_stop black = { 0, { 0, 0, 0 } };
+    const pith_ramp_stop black = { 0, { 0, 0, 0 }, 1 };
     pith_particle_layer l = default_particles();
     l.radius_r = 0.06, l.radius_s = 0.08, l.radius_t = 0.1, l.size_variation = 0, l.colour_variation = 0,
     l.density = 20;
@@ -227,13 +227,13 @@ static void test_particles_have_their_volume_and_stay_in_their_depths(void **sta
     pith_layered_recipe recipe = plain_recipe(&black, 1);
     recipe.size_r = recipe.size_t_ = 64;
     recipe.particles = &l, recipe.particle_count = 1;
-    const uint32_t voxels[3] = { 64, 64, 64 };
+    const exemplar_space space = { { 64, 64, 64 }, false };
     for (int tilted = 0; tilted < 2; ++tilted) {
         l.tilt = tilted ? 20.0 : 0.0;
         pith_error err;
         particle *p = NULL;
         size_t count = 0;
-        CHECK_OK(particles_throw(&l, voxels, recipe.seed, UINT64_C(0x200000000), &p, &count, &err));
+        CHECK_OK(particles_throw(&l, &space, recipe.seed, UINT64_C(0x200000000), &p, &count, &err));
         pith_free(p);
         assert_int_equal(count, 20);
         pith_grid *g = NULL;
@@ -256,7 +256,7 @@ static void test_particles_have_their_volume_and_stay_in_their_depths(void **sta
 static void test_drops_point_inwards_and_displace(void **state)
 {
     (void)state;
-    const pith_ramp_stop black = { 0, { 0, 0, 0 } };
+    const pith_ramp_stop black = { 0, { 0, 0, 0 }, 1 };
     pith_particle_layer l = default_particles();
     l.radius_r = l.radius_t = 0.15, l.radius_s = 0.25, l.density = 1, l.depth_low = l.depth_high = 0.5, l.taper = 0.9;
     l.size_variation = 0, l.colour_variation = 0, l.displacement = 0.25;

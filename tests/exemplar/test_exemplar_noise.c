@@ -3,17 +3,23 @@
 
 #include "exemplar_internal.h"
 
-static const uint32_t voxels[3] = { 64, 48, 96 };
+static const exemplar_space once = { { 64, 48, 96 }, false }, repeated = { { 64, 48, 96 }, true };
 
-static noise make(double size_r, double size_s, double size_t_, uint32_t octaves, uint64_t seed)
+static noise make_in(const exemplar_space *space, double size_r, double size_s, double size_t_, uint32_t octaves,
+                     uint64_t seed)
 {
     pith_noise_layer l;
     pith_params_defaults(&pith_noise_layer_params, &l);
     l.size_r = size_r, l.size_s = size_s, l.size_t_ = size_t_, l.octaves = octaves;
     noise n;
     pith_error err;
-    CHECK_OK(noise_make(&l, voxels, seed, &n, &err));
+    CHECK_OK(noise_make(&l, space, seed, &n, &err));
     return n;
+}
+
+static noise make(double size_r, double size_s, double size_t_, uint32_t octaves, uint64_t seed)
+{
+    return make_in(&once, size_r, size_s, size_t_, octaves, seed);
 }
 
 /* Sizes that round to a period, to many cells, to none, and finer than voxels. */
@@ -42,11 +48,34 @@ static void test_noise_repeats_exactly(void **state)
     }
 }
 
+static void test_noise_repeats_along_s_when_told(void **state)
+{
+    (void)state;
+    pith_rng rng = pith_rng_make(4, 0);
+    for (int c = 0; c < SIZES; ++c) {
+        noise n = make_in(&repeated, sizes[c][0], sizes[c][1], sizes[c][2], 4, 78);
+        double least = INFINITY, most = -INFINITY;
+        for (int i = 0; i < 2000; ++i) {
+            const double r = pith_rng_unit(&rng), s = pith_rng_below(&rng, 1u << 20) * 0x1p-20, t = pith_rng_unit(&rng);
+            const double here = noise_at(&n, r, s, t);
+            CHECK_NEAR(noise_at(&n, r, s + 1, t), here, 1e-5);
+            CHECK_NEAR(noise_at(&n, r, s - 2, t), here, 1e-5);
+            least = fmin(least, here), most = fmax(most, here);
+        }
+        /* A feature size above 2 means no variation along s; the others vary. */
+        const double low = noise_at(&n, 0.3, 0.1, 0.2), high = noise_at(&n, 0.3, 0.4, 0.2);
+        if (sizes[c][1] > 2) CHECK_NEAR(high, low, 0);
+        CHECK_AT_LEAST(most - least, 0.5);
+        noise_free(&n);
+    }
+}
+
 static void test_rows_agree_with_points(void **state)
 {
     (void)state;
-    for (int c = 0; c < SIZES; ++c) {
-        noise n = make(sizes[c][0], sizes[c][1], sizes[c][2], 3, 5);
+    for (int c = 0; c < 2 * SIZES; ++c) {
+        const double *size = sizes[c / 2];
+        noise n = make_in(c % 2 ? &repeated : &once, size[0], size[1], size[2], 3, 5);
         for (int row = 0; row <= 100; ++row) {
             const double s = row / 100.0, t = fmod(row * 0.377, 1.0);
             float values[64];
@@ -122,8 +151,8 @@ static void test_seeds_differ(void **state)
 static void test_tables_agree_with_their_structs(void **state)
 {
     (void)state;
-    const pith_params *tables[] = { &pith_noise_layer_params, &pith_particle_layer_params };
-    for (int t = 0; t < 2; ++t) {
+    const pith_params *tables[] = { &pith_noise_layer_params, &pith_particle_layer_params, &pith_brick_layer_params };
+    for (int t = 0; t < 3; ++t) {
         unsigned char options[512];
         assert_true(tables[t]->size <= sizeof options);
         pith_params_defaults(tables[t], options);
@@ -142,6 +171,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_noise_repeats_exactly),
+        cmocka_unit_test(test_noise_repeats_along_s_when_told),
         cmocka_unit_test(test_rows_agree_with_points),
         cmocka_unit_test(test_noise_is_smooth_everywhere),
         cmocka_unit_test(test_spread_does_not_depend_on_octaves),
