@@ -11,7 +11,7 @@
 
 #include "document_internal.h"
 
-enum { CACHE_VERSION = 1, CACHE_SECTIONS = 16, NAME_SIZE = 16, HEAD_SIZE = 16, ENTRY_SIZE = NAME_SIZE + 32,
+enum { CACHE_VERSION = 1, CACHE_SECTIONS = 65536, NAME_SIZE = 16, HEAD_SIZE = 16, ENTRY_SIZE = NAME_SIZE + 32,
        COMPRESSION = 5 };
 static const char magic[8] = "PITHC";
 
@@ -23,8 +23,8 @@ typedef struct section {
 
 struct cache {
     char *path;
-    section sections[CACHE_SECTIONS];
-    size_t count;
+    section *sections;
+    size_t count, capacity;
     bool changed;
 };
 
@@ -52,6 +52,7 @@ void cache_destroy(cache *store)
 {
     if (!store) return;
     forget(store);
+    pith_free(store->sections);
     pith_free(store->path);
     pith_free(store);
 }
@@ -61,6 +62,11 @@ static section *find(const cache *store, const char *name)
     for (size_t i = 0; i < store->count; ++i)
         if (strcmp(store->sections[i].name, name) == 0) return (section *)&store->sections[i];
     return NULL;
+}
+
+static bool make_room(cache *store, size_t count)
+{
+    return pith_grow((void **)&store->sections, &store->capacity, count, sizeof *store->sections);
 }
 
 /* ---- reading ---------------------------------------------------------------------------------------------------------- */
@@ -76,6 +82,7 @@ static const char *parse(cache *store, const unsigned char *bytes, size_t size)
     if (count > CACHE_SECTIONS || size < HEAD_SIZE + (size_t)count * ENTRY_SIZE) return "its table of contents is cut off";
 
     size_t at = HEAD_SIZE + (size_t)count * ENTRY_SIZE;
+    if (!make_room(store, count)) return "memory is out";
     for (uint32_t i = 0; i < count; ++i) {
         const unsigned char *entry = bytes + HEAD_SIZE + (size_t)i * ENTRY_SIZE;
         section *s = &store->sections[i];
@@ -143,6 +150,10 @@ pith_status cache_put(cache *store, const char *name, uint64_t key, const void *
         pith_free(packed);
         return pith_fail(err, PITH_EXTERNAL, "zstd: %s", ZSTD_getErrorName(packed_size));
     }
+    if (!s && !make_room(store, store->count + 1)) {
+        pith_free(packed);
+        return PITH_OUT_OF_MEMORY(err, name);
+    }
     if (!s) {
         s = &store->sections[store->count++];
         memset(s, 0, sizeof *s);
@@ -182,6 +193,17 @@ pith_status cache_flush(cache *store, pith_error *err)
     pith_free(bytes);
     if (status == PITH_OK) store->changed = false;
     return status;
+}
+
+void cache_keep_only(cache *store, bool (*wanted)(const char *name, const void *user), const void *user)
+{
+    size_t kept = 0;
+    for (size_t i = 0; i < store->count; ++i) {
+        if (wanted(store->sections[i].name, user)) store->sections[kept++] = store->sections[i];
+        else pith_free(store->sections[i].packed);
+    }
+    store->changed |= kept < store->count;
+    store->count = kept;
 }
 
 size_t cache_size(const cache *store)

@@ -3,160 +3,57 @@
 
 #include "document_internal.h"
 
-/* ---- pieces ---------------------------------------------------------------------------------------------------------- */
+/* ---- bodies ---------------------------------------------------------------------------------------------------------- */
 
-static pith_status copy_text(pith_document *made, const json_t *value, const char **text, pith_error *err)
+/* Keys of a body must not stand beside "bodies": it would not be clear whose they are. */
+static pith_status check_top(reader *in, const json_t *root)
 {
-    *text = arena_text(&made->memory, value ? json_string_value(value) : "");
-    return *text ? PITH_OK : PITH_OUT_OF_MEMORY(err, "a text");
-}
-
-/* The path behind key relative to the document; NULL when there is no such key. */
-static pith_status resolve(pith_document *made, const json_t *object, const char *key, const char **path,
-                           pith_error *err)
-{
-    const char *written = json_string_value(json_object_get(object, key));
-    *path = NULL;
-    if (!written) return PITH_OK;
-    char *joined = pith_path_join(made->path, written);
-    if (!joined) return PITH_OUT_OF_MEMORY(err, "a path");
-    *path = arena_text(&made->memory, joined);
-    pith_free(joined);
-    return *path ? PITH_OK : PITH_OUT_OF_MEMORY(err, "a path");
-}
-
-static pith_status copy_points(pith_document *made, const json_t *list, const pith_vec3 **points, size_t *count,
-                               pith_error *err)
-{
-    *count = json_array_size(list);
-    pith_vec3 *copy = arena_alloc(&made->memory, *count, sizeof *copy);
-    if (!copy) return PITH_OUT_OF_MEMORY(err, "points");
-    for (size_t i = 0; i < *count; ++i) copy[i] = json_point(json_array_get(list, i));
-    *points = copy;
-    return PITH_OK;
-}
-
-static pith_status build_shape(pith_document *made, const json_t *shape, pith_error *err)
-{
-    PITH_TRY(resolve(made, shape, "mesh", &made->mesh_file, err));
-    json_options(json_object_get(shape, "fruit"), &pith_fruit_params, &made->fruit);
-    json_options(json_object_get(shape, "tets"), &pith_tets_params, &made->tets);
-    const json_t *refine = json_object_get(shape, "refine");
-    json_options(refine, &pith_refine_params, &made->refine);
-    if (!refine) made->refine.passes = 0;
-    return PITH_OK;
-}
-
-static pith_status build_constraint(pith_document *made, const json_t *from, pith_depth_constraint *to,
-                                    pith_error *err)
-{
-    to->depth = json_number_value(json_object_get(from, "depth"));
-    const json_t *faces = json_object_get(from, "faces"), *stroke = json_object_get(from, "stroke");
-    if (!faces) {
-        to->kind = stroke ? PITH_DEPTH_STROKE : PITH_DEPTH_POINTS;
-        return copy_points(made, stroke ? stroke : json_object_get(from, "points"), &to->points, &to->count, err);
+    for (size_t i = 0; json_object_get(root, "bodies") && i < grammar_body.key_count; ++i) {
+        const char *key = grammar_body.keys[i].name;
+        if (!json_object_get(root, key)) continue;
+        reader_enter(in, key);
+        return reader_fail(in, "belongs to a body, and the document has \"bodies\"; move it into one of them");
     }
-    to->kind = json_is_string(faces) ? PITH_DEPTH_ALL_FACES : PITH_DEPTH_FACES;
-    to->count = json_array_size(faces);
-    uint32_t *copy = arena_alloc(&made->memory, to->count, sizeof *copy);
-    if (!copy) return PITH_OUT_OF_MEMORY(err, "faces");
-    for (size_t i = 0; i < to->count; ++i) copy[i] = (uint32_t)json_integer_value(json_array_get(faces, i));
-    to->faces = copy;
     return PITH_OK;
 }
 
-static pith_status build_fields(pith_document *made, const json_t *root, pith_error *err)
+static pith_status build_body(pith_document *made, reader *in, const json_t *from, size_t index)
 {
-    const json_t *depth = json_object_get(root, "depth"), *direction = json_object_get(root, "direction");
-    json_options(depth, &pith_depth_params, &made->depth);
-    json_options(direction, &pith_smoothing_params, &made->smoothing);
-
-    const json_t *constraints = json_object_get(depth, "constraints");
-    made->constraint_count = json_array_size(constraints);
-    made->constraints = arena_alloc(&made->memory, made->constraint_count, sizeof *made->constraints);
-    if (!made->constraints) return PITH_OUT_OF_MEMORY(err, "constraints");
-    for (size_t i = 0; i < made->constraint_count; ++i)
-        PITH_TRY(build_constraint(made, json_array_get(constraints, i), &made->constraints[i], err));
-
-    const json_t *strokes = json_object_get(direction, "strokes");
-    made->stroke_count = json_array_size(strokes);
-    made->strokes = arena_alloc(&made->memory, made->stroke_count, sizeof *made->strokes);
-    if (!made->strokes) return PITH_OUT_OF_MEMORY(err, "strokes");
-    for (size_t i = 0; i < made->stroke_count; ++i)
-        PITH_TRY(copy_points(made, json_array_get(strokes, i), &made->strokes[i].points, &made->strokes[i].count, err));
-    return PITH_OK;
-}
-
-static pith_status build_exemplar(pith_document *made, reader *in, const json_t *from, document_solid *to)
-{
-    PITH_TRY(resolve(made, from, "file", &to->exemplar_file, in->err));
-    const char *recipe_file;
-    PITH_TRY(resolve(made, from, "recipe", &recipe_file, in->err));
-    if (recipe_file) return pith_recipe_load(recipe_file, &to->recipe, in->err);
-    const json_t *layered = json_object_get(from, "layered");
-    if (!layered) return PITH_OK;
-    reader_enter(in, "exemplar.layered");
-    pith_error reason;
-    const pith_status status = recipe_build(made->path, layered, &to->recipe, &reason);
-    if (status == PITH_OK) return PITH_OK;
-    /* The sentence begins with the file's name and the place inside the recipe; put the place before that. */
-    const size_t length = strlen(made->path);
-    const bool named = strncmp(reason.message, made->path, length) == 0 && reason.message[length] == ':';
-    return pith_fail(in->err, status, "%s: %s: %s", made->path, in->place, reason.message + (named ? length + 2 : 0));
-}
-
-static pith_status build_solid(pith_document *made, reader *in, const json_t *from, document_solid *to)
-{
-    PITH_TRY(copy_text(made, json_object_get(from, "name"), &to->name, in->err));
-    for (const document_solid *other = made->solids; other < to; ++other)
-        if (strcmp(other->name, to->name) == 0) {
+    document_body *to = &made->bodies[index];
+    const size_t length = reader_enter(in, "bodies");
+    reader_enter_at(in, index);
+    PITH_TRY(document_text(made, json_object_get(from, "name"), &to->name, in->err));
+    for (size_t i = 0; i < index; ++i)
+        if (strcmp(made->bodies[i].name, to->name) == 0) {
             reader_enter(in, "name");
-            return reader_fail(in, "is \"%s\", as solids[%td] already is; names must differ", to->name,
-                               other - made->solids);
+            return reader_fail(in, "is \"%s\", as bodies[%zu] already is; names must differ", to->name, i);
         }
-    to->kind = strcmp(json_string_value(json_object_get(from, "kind")), "grid") == 0 ? SOLID_GRID : SOLID_LAPPED;
-    json_options(from, &pith_lapped_params, &to->lapped);
-    json_options(from, &document_grid_params, &to->grid);
-    if (to->kind == SOLID_GRID) return resolve(made, from, "file", &to->grid_file, in->err);
-    if (made->constraint_count == 0)
-        return reader_fail(in, "a lapped solid needs a depth field; give the document \"depth\" with constraints");
-    if (to->lapped.type == PITH_TYPE_1B && made->stroke_count == 0)
-        return reader_fail(in, "type 1-B needs a direction field; give the document \"direction\" with strokes, or "
-                           "take type 1-A");
-    return build_exemplar(made, in, json_object_get(from, "exemplar"), to);
+    PITH_TRY(body_build(made, in, from, to));
+    reader_leave(in, length);
+    return PITH_OK;
 }
 
-static pith_status choose_solid(pith_document *made, reader *in, const json_t *name)
+static pith_status build_bodies(pith_document *made, reader *in, const json_t *root)
 {
-    if (!name) return PITH_OK;
-    const char *names[64] = { NULL };
-    for (size_t i = 0; i < made->solid_count; ++i) {
-        if (strcmp(made->solids[i].name, json_string_value(name)) == 0) {
-            made->solid = i;
-            return PITH_OK;
-        }
-        if (i < 63) names[i] = made->solids[i].name;
+    PITH_TRY(check_top(in, root));
+    const json_t *list = json_object_get(root, "bodies");
+    const size_t count = list ? json_array_size(list) : 1;
+    if (count == 0 || count > MOST_BODIES) {
+        reader_enter(in, "bodies");
+        return reader_fail(in, "has %zu entries, expected 1 to %d bodies", count, MOST_BODIES);
     }
-    const char *near = pith_nearest_word(json_string_value(name), names);
-    reader_enter(in, "solid");
-    return reader_fail(in, "no solid is called \"%.60s\"%s%s%s", json_string_value(name),
-                       near ? "; did you mean \"" : "", near ? near : "", near ? "\"?" : "");
+    made->bodies = arena_alloc(&made->memory, count, sizeof *made->bodies);
+    if (!made->bodies) return PITH_OUT_OF_MEMORY(in->err, "bodies");
+    made->body_count = count;
+    if (!list) {
+        made->bodies[0].name = "";
+        return body_build(made, in, root, &made->bodies[0]);
+    }
+    for (size_t i = 0; i < count; ++i) PITH_TRY(build_body(made, in, json_array_get(list, i), i));
+    return PITH_OK;
 }
 
-static pith_status build_solids(pith_document *made, reader *in, const json_t *root)
-{
-    const json_t *list = json_object_get(root, "solids");
-    made->solid_count = json_array_size(list);
-    made->solids = arena_alloc(&made->memory, made->solid_count, sizeof *made->solids);
-    if (!made->solids) return PITH_OUT_OF_MEMORY(in->err, "solids");
-    for (size_t i = 0; i < made->solid_count; ++i) {
-        reader_enter(in, "solids");
-        reader_enter_at(in, i);
-        PITH_TRY(build_solid(made, in, json_array_get(list, i), &made->solids[i]));
-        reader_leave(in, 0);
-    }
-    return choose_solid(made, in, json_object_get(root, "solid"));
-}
+/* ---- cuts and camera -------------------------------------------------------------------------------------------------- */
 
 static pith_status build_cuts(pith_document *made, reader *in, const json_t *list)
 {
@@ -214,10 +111,8 @@ static pith_status fill_document(pith_document *made, const char *path, const ch
     PITH_TRY(grammar_check(&in, made->root, &grammar_document));
 
     const json_t *root = made->root;
-    PITH_TRY(copy_text(made, json_object_get(root, "title"), &made->title, err));
-    PITH_TRY(build_shape(made, json_object_get(root, "shape"), err));
-    PITH_TRY(build_fields(made, root, err));
-    PITH_TRY(build_solids(made, &in, root));
+    PITH_TRY(document_text(made, json_object_get(root, "title"), &made->title, err));
+    PITH_TRY(build_bodies(made, &in, root));
     PITH_TRY(build_cuts(made, &in, json_object_get(root, "cuts")));
     PITH_TRY(build_camera(made, &in, json_object_get(root, "camera")));
     json_options(json_object_get(root, "render"), &pith_render_params, &made->render);
@@ -262,17 +157,34 @@ pith_status pith_document_save(const pith_document *document, const char *path, 
 void pith_document_destroy(pith_document *document)
 {
     if (!document) return;
-    for (size_t i = 0; document->solids && i < document->solid_count; ++i)
-        pith_recipe_destroy(document->solids[i].recipe);
+    for (size_t i = 0; i < document->body_count; ++i) body_clear(&document->bodies[i]);
     json_decref(document->root);
     arena_clear(&document->memory);
     pith_free(document);
 }
 
 const char *pith_document_title(const pith_document *document) { return document->title; }
-size_t pith_document_solids(const pith_document *document) { return document->solid_count; }
+
+size_t pith_document_solids(const pith_document *document)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < document->body_count; ++i) count += document->bodies[i].solid_count;
+    return count;
+}
 
 const char *pith_document_solid_name(const pith_document *document, size_t index)
 {
-    return index < document->solid_count ? document->solids[index].name : NULL;
+    for (size_t i = 0; i < document->body_count; ++i) {
+        const document_body *body = &document->bodies[i];
+        if (index < body->solid_count) return body->solids[index].name;
+        index -= body->solid_count;
+    }
+    return NULL;
+}
+
+size_t pith_document_bodies(const pith_document *document) { return document->body_count; }
+
+const char *pith_document_body_name(const pith_document *document, size_t index)
+{
+    return index < document->body_count ? document->bodies[index].name : NULL;
 }

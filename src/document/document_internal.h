@@ -46,7 +46,7 @@ struct grammar {
     const char *const *one_of;      /* keys of which exactly one must be there; the same */
 };
 
-extern const grammar grammar_document, grammar_recipe;
+extern const grammar grammar_document, grammar_body, grammar_recipe;
 
 /* Where a check stands: the document's path, and the place inside it. */
 typedef struct reader {
@@ -100,6 +100,12 @@ struct pith_recipe {
 /* file: for messages and as the base of the strip's path; object was checked against grammar_recipe. */
 pith_status recipe_build(const char *file, const json_t *object, pith_recipe **recipe, pith_error *err);
 
+/* Where an exemplar comes from: one of the two. */
+typedef struct document_exemplar {
+    const char *file;               /* resolved path, or NULL */
+    pith_recipe *recipe;            /* or NULL; owned by the document */
+} document_exemplar;
+
 typedef enum solid_kind { SOLID_LAPPED, SOLID_GRID } solid_kind;
 typedef struct grid_options { bool clamp; } grid_options;
 
@@ -107,22 +113,15 @@ typedef struct document_solid {
     const char *name;
     solid_kind kind;
     pith_lapped_options lapped;
-    const char *exemplar_file;      /* resolved path, or NULL */
-    pith_recipe *recipe;            /* or NULL; owned by the document */
+    document_exemplar exemplar;
     const char *grid_file;
     grid_options grid;
 } document_solid;
 
-typedef struct document_camera {
-    bool placed;                    /* eye, target, up; else fitted from direction */
-    pith_vec3 eye, target, up, direction;
-    struct document_lens { double field_of_view; } lens;
-} document_camera;
-
-struct pith_document {
-    arena memory;
-    json_t *root;
-    const char *path, *title;
+/* One body: what stands at the top level of a document, or in an entry of its "bodies". */
+typedef struct document_body {
+    const char *name;               /* "" when it is the only one */
+    const char *place;              /* what stands before its keys in messages: "" or "bodies[2]." */
 
     const char *mesh_file;          /* resolved path, or NULL: the fruit */
     pith_fruit_options fruit;
@@ -137,17 +136,52 @@ struct pith_document {
     pith_smoothing_options smoothing;
 
     document_solid *solids;
-    size_t solid_count, solid;      /* solid: the one the model is made of */
+    size_t solid_count, solid;      /* solid: the one the body is made of */
+} document_body;
+
+typedef struct document_camera {
+    bool placed;                    /* eye, target, up; else fitted from direction */
+    pith_vec3 eye, target, up, direction;
+    struct document_lens { double field_of_view; } lens;
+} document_camera;
+
+enum { MOST_BODIES = 1000 };
+
+struct pith_document {
+    arena memory;
+    json_t *root;
+    const char *path, *title;
+    document_body *bodies;          /* [body_count], at least one */
+    size_t body_count;
     pith_cut_step *cuts;
     size_t cut_count;
     document_camera camera;
     pith_render_options render;
 };
 
+/* What building a document needs everywhere: a copy of a text, a path relative to the document (NULL without the key),
+   a list of points and a list of strokes, all in the document's memory. */
+pith_status document_text(pith_document *made, const json_t *value, const char **text, pith_error *err);
+pith_status document_path(pith_document *made, const json_t *object, const char *key, const char **path,
+                          pith_error *err);
+pith_status document_points(pith_document *made, const json_t *list, const pith_vec3 **points, size_t *count,
+                            pith_error *err);
+pith_status document_strokes(pith_document *made, const json_t *list, pith_stroke **strokes, size_t *count,
+                             pith_error *err);
+/* Builds a body from its checked object; `in` stands there, and stands there again after a success. */
+pith_status body_build(pith_document *made, reader *in, const json_t *from, document_body *to);
+/* Frees what a body holds outside the document's memory. */
+void body_clear(document_body *body);
+
+/* What a texture type needs, for refusals, for building and for keys. */
+typedef struct type_needs { const char *word; bool depth, direction, vectors, scale; } type_needs;
+const type_needs *type_needs_of(uint32_t type);
+
 extern const pith_params document_grid_params, document_lens_params, document_depth_value_params,
-    document_recipe_params;
+    document_recipe_params, document_stop_params;
 typedef struct depth_value { double depth; } depth_value;
-typedef struct recipe_options { uint64_t seed; double strip_blend; } recipe_options;
+typedef struct stop_value { double depth, opacity; } stop_value;
+typedef struct recipe_options { uint64_t seed; double strip_blend; bool homogeneous; } recipe_options;
 
 /* ---- cache -------------------------------------------------------------------------------------------------------- */
 
@@ -163,6 +197,8 @@ unsigned char *cache_get(const cache *store, const char *name, uint64_t key, siz
 pith_status cache_put(cache *store, const char *name, uint64_t key, const void *bytes, size_t size, pith_error *err);
 /* Writes the file if something was put since it was read. */
 pith_status cache_flush(cache *store, pith_error *err);
+/* Forgets the sections that `wanted` does not want: those of bodies that are no longer there. */
+void cache_keep_only(cache *store, bool (*wanted)(const char *name, const void *user), const void *user);
 /* Bytes the file has on disk. */
 size_t cache_size(const cache *store);
 
@@ -191,7 +227,7 @@ pith_status exemplar_unpack(byte_reader *in, pith_grid **exemplar, pith_error *e
 
 /* Keys of the stages: hashes of everything the stage depends on, the contents of files included. */
 typedef struct stage_keys { uint64_t tets, fields, exemplar, patches; } stage_keys;
-pith_status stage_keys_of(const pith_document *document, stage_keys *keys, pith_error *err);
+pith_status stage_keys_of(const document_body *body, stage_keys *keys, pith_error *err);
 /* Hash of every option of the table, by name, chained onto seed. */
 uint64_t hash_options(const pith_params *table, const void *options, uint64_t seed);
 

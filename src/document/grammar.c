@@ -22,8 +22,10 @@ static const pith_param cut_items[] = {
       offsetof(pith_cut_step, keep), keep_words },
     { "gap", "model units", "how far two kept sides are moved apart along the normal", PITH_PARAM_DOUBLE, 0, 0, 1e9,
       offsetof(pith_cut_step, gap), NULL },
+    { "separate", "1", "afterwards every connected body is a part of its own", PITH_PARAM_BOOL, 0, 0, 1,
+      offsetof(pith_cut_step, separate), NULL },
 };
-const pith_params pith_cut_step_params = { "cut", cut_items, 2, sizeof(pith_cut_step) };
+const pith_params pith_cut_step_params = { "cut", cut_items, 3, sizeof(pith_cut_step) };
 
 static const pith_param grid_items[] = {
     { "clamp", "1", "points outside the grid get the nearest voxel instead of nothing", PITH_PARAM_BOOL, 0, 1, 1,
@@ -47,15 +49,24 @@ static const pith_param recipe_items[] = {
       offsetof(recipe_options, seed), NULL },
     { "strip_blend", "1", "0 only the stops … 1 only the strip", PITH_PARAM_DOUBLE, 0, 0.5, 1,
       offsetof(recipe_options, strip_blend), NULL },
+    { "homogeneous", "1", "for types 0: tiles along s too; one stop, no strip, every layer at depths 0 to 1",
+      PITH_PARAM_BOOL, 0, 0, 1, offsetof(recipe_options, homogeneous), NULL },
 };
-const pith_params document_recipe_params = { "recipe", recipe_items, 2, sizeof(recipe_options) };
+const pith_params document_recipe_params = { "recipe", recipe_items, 3, sizeof(recipe_options) };
+
+static const pith_param stop_items[] = {
+    { "depth", "1", "0 outermost … 1 innermost", PITH_PARAM_DOUBLE, 0, 0, 1, offsetof(stop_value, depth), NULL },
+    { "opacity", "1", "0 is seen through … 1 opaque", PITH_PARAM_DOUBLE, 0, 1, 1, offsetof(stop_value, opacity), NULL },
+};
+const pith_params document_stop_params = { "stop", stop_items, 2, sizeof(stop_value) };
 
 const pith_params *const *pith_document_tables(void)
 {
     static const pith_params *const tables[] = {
         &pith_fruit_params, &pith_tets_params, &pith_refine_params, &document_depth_value_params, &pith_depth_params,
         &pith_smoothing_params, &pith_lapped_params, &document_grid_params, &document_recipe_params,
-        &pith_noise_layer_params, &pith_particle_layer_params, &pith_cut_step_params, &document_lens_params,
+        &document_stop_params, &pith_noise_layer_params, &pith_brick_layer_params, &pith_particle_layer_params,
+        &pith_cut_step_params, &document_lens_params,
         &pith_render_params, NULL,
     };
     return tables;
@@ -64,14 +75,20 @@ const pith_params *const *pith_document_tables(void)
 /* ---- recipes ---------------------------------------------------------------------------------------------------- */
 
 static const grammar stop = {
-    "stop", "A colour at a depth; between stops colours are blended.",
+    "stop", "A colour and an opacity at a depth; between stops both are blended.",
     KEYS({ "colour", VALUE_COLOUR, "the colour there", NULL }),
-    &document_depth_value_params, NAMES("depth", "colour"), NULL,
+    &document_stop_params, NAMES("depth", "colour"), NULL,
 };
 static const grammar noise = {
     "noise", "A layer of periodic noise that colours, or with `warp` bends, what lies under it.",
     KEYS({ "colour", VALUE_COLOUR, "the colour blended in where the noise is strong; default black", NULL }),
     &pith_noise_layer_params, NULL, NULL,
+};
+static const grammar bricks = {
+    "bricks", "Courses of blocks along s with joints between them; laid down before the noises, which weather them.",
+    KEYS({ "colour", VALUE_COLOUR, "of the blocks", NULL },
+         { "joint_colour", VALUE_COLOUR, "of the joints", NULL }),
+    &pith_brick_layer_params, NAMES("colour", "joint_colour"), NULL,
 };
 static const grammar particles = {
     "particles", "A layer of ellipsoids: seeds, vesicles, fibres.",
@@ -81,10 +98,11 @@ static const grammar particles = {
     &pith_particle_layer_params, NAMES("colour"), NULL,
 };
 const grammar grammar_recipe = {
-    "recipe", "A layered exemplar: colours by depth, then noise, then particles, in the order given.",
+    "recipe", "An exemplar by hand: colours by depth, then bricks, noise and particles, each in the order given.",
     KEYS({ "size", VALUE_SIZES, "voxels along r, s, t; default [64, 64, 64]", NULL },
          { "stops", VALUE_LIST, "colours by ascending depth", &stop },
          { "strip", VALUE_FILE, "photograph (PNG, JPEG) swept along t: x is r, y is s from the outside in", NULL },
+         { "bricks", VALUE_LIST, "layers of bricks", &bricks },
          { "noises", VALUE_LIST, "layers of noise", &noise },
          { "particles", VALUE_LIST, "layers of particles", &particles }),
     &document_recipe_params, NULL, NULL,
@@ -168,18 +186,27 @@ static const grammar camera = {
 static const grammar render = {
     "render", "How pictures are made.", NULL, 0, &pith_render_params, NULL, NULL,
 };
+#define BODY_KEYS                                                                                                      \
+    { "shape", VALUE_OBJECT, "the body's form", &shape },                                                              \
+    { "depth", VALUE_OBJECT, "the depth field; types 0-C, 1-A and 1-B need it", &depth },                              \
+    { "direction", VALUE_OBJECT, "the direction field; types 0-C and 1-B need it", &direction },                       \
+    { "solids", VALUE_KINDS, "what the body may be made of", solid_kinds },                                            \
+    { "solid", VALUE_TEXT, "the name of the solid it is made of; default: the first", NULL }
+static const grammar body_entry = {
+    "body", "One of several bodies: cut and seen together, each with a form, fields and solids of its own.",
+    KEYS({ "name", VALUE_TEXT, "what the document calls it", NULL }, BODY_KEYS), NULL, NAMES("name", "shape"), NULL,
+};
+const grammar grammar_body = { "body", "", KEYS(BODY_KEYS), NULL, NULL, NULL };
 const grammar grammar_document = {
-    "document", "A model: its shape, its fields, the solids it may be made of, and how it is cut and seen.",
+    "document", "A model: its bodies, their fields, the solids they may be made of, and how it is cut and seen. A "
+    "document of one body has the body's keys (`shape` to `solid`) here; one of several has `bodies` instead.",
     KEYS({ "pith", VALUE_VERSION, "version of the format: 1", NULL },
          { "title", VALUE_TEXT, "a name for people", NULL },
-         { "shape", VALUE_OBJECT, "the body", &shape },
-         { "depth", VALUE_OBJECT, "the depth field; lapped solids need it", &depth },
-         { "direction", VALUE_OBJECT, "the direction field; type 1-B needs it", &direction },
-         { "solids", VALUE_KINDS, "what the body may be made of", solid_kinds },
-         { "solid", VALUE_TEXT, "the name of the solid it is made of; default: the first", NULL },
+         BODY_KEYS,
+         { "bodies", VALUE_LIST, "several bodies, instead of the keys of one", &body_entry },
          { "cuts", VALUE_LIST, "planar cuts", &cut },
          { "camera", VALUE_OBJECT, "where pictures are taken from; default: fitted from the front, right and above",
            &camera },
          { "render", VALUE_OBJECT, "how pictures are made", &render }),
-    NULL, NAMES("pith", "shape"), NULL,
+    NULL, NAMES("pith"), NAMES("shape", "bodies"),
 };

@@ -1,18 +1,43 @@
-/* A model from the inside: what has been built so far. model.c builds the stages, items.c cuts and looks at them. */
+/* A model from the inside: what has been built so far. model.c is its life and its cache; model_shape.c, model_fields.c
+   and model_solid.c build the stages of a body; cuts.c cuts bodies to pieces; items.c looks at them. */
 #ifndef PITH_MODEL_INTERNAL_H
 #define PITH_MODEL_INTERNAL_H
 
 #include "document_internal.h"
 
+/* Cuts with the points of their strokes. */
+typedef struct cut_list {
+    pith_cut_step *steps;
+    pith_vec3 *points;
+    size_t count;
+    bool from_document;         /* messages name the document's place */
+} cut_list;
+
+/* A part on its way through the cuts. */
+typedef struct piece {
+    const pith_model *body;     /* whose solid it is made of */
+    pith_part *part;
+    bool borrowed;              /* the part is the body's own */
+    pith_box box;               /* of its material coordinates */
+    pith_vec3 offset;
+} piece;
+typedef struct piece_list { piece *items; size_t count, capacity; } piece_list;
+
 struct pith_model {
     const pith_document *document;
+    const document_body *body;  /* what it is built from; NULL: a whole of several bodies */
+    pith_model *owner;          /* the whole: it has the cache, the notes and the progress; itself for a whole */
+    pith_model **bodies;        /* [body_count] of a whole of several; 0 for one body */
+    size_t body_count, index;   /* index: which body of the owner's */
     const pith_progress *progress;
-    cache *store;               /* NULL: no cache */
+    pith_progress named;        /* reports to the owner's progress with the body's name in front */
+    cache *store;               /* NULL: no cache; the owner's */
+    bool told_unsaved;
     stage_keys keys;
     pith_model_times times;
     char notes[2000];
 
-    /* Each is NULL until its stage was built. */
+    /* Stages of a body. Each is NULL until it was built. */
     pith_mesh *mesh;
     pith_mesh_report mesh_report;
     pith_tets *tets;
@@ -25,18 +50,57 @@ struct pith_model {
     pith_solid *solid;
     pith_lapped_report fill_report;
     bool has_fill_report;
-
-    pith_cut_step *cuts;        /* own copy, from the document unless pith_model_set_cuts said otherwise */
-    size_t cut_count;
     pith_part *whole;
+
+    cut_list cuts;              /* of a whole; bodies follow their owner's unless they were given their own */
+    bool own_cuts;
     pith_render_item *items;    /* own their shells */
-    size_t item_count;
+    size_t item_count, item_capacity;
     bool items_made;
 };
 
 /* Adds a sentence to the notes. */
 void model_note(pith_model *model, const char *format, ...) __attribute__((format(printf, 2, 3)));
-/* Forgets shells. */
+/* PITH_BAD_ARGUMENT for a whole of several bodies. */
+pith_status model_one_body(const pith_model *model, pith_error *err);
+/* Puts the document's path and the place of `key` in the body before the message; where the message begins with
+   "word 3", the place is list[3]. word and list may be NULL. Returns status. */
+pith_status model_fail_at(const pith_model *model, pith_status status, const char *key, const char *word,
+                          const char *list, pith_error *err);
+/* Adds the time since `start` to a member of the times (its offset), of the body and of the whole. */
+void model_took(pith_model *model, size_t member, double start);
+
+/* The cache of a model; sections are those of its body. keep takes the bytes over; recall gives those of a kept stage, or
+   false when there are none; release frees them. */
+void model_keep(pith_model *model, const char *stage, uint64_t key, byte_writer *bytes);
+bool model_recall(const pith_model *model, const char *stage, uint64_t key, byte_reader *in);
+void model_release(byte_reader *in);
+void model_note_damage(pith_model *model, const char *what, const pith_error *err);
+
+/* Depth and its gradient at the vertices of these tets, and the directions of a body with strokes; arrays of the
+   caller. */
+pith_status model_build_depth(pith_model *model, const pith_tets *tets, double *depth, pith_vec3 *gradient,
+                              pith_error *err);
+pith_status model_build_secondary(pith_model *model, const pith_tets *tets, const pith_locator *locator,
+                                  const double *depth, const pith_vec3 *gradient, pith_vec3 *secondary,
+                                  pith_error *err);
+
+/* The cuts a model is cut by: its own, or its owner's. */
+const cut_list *model_cuts(const pith_model *model);
+void cut_list_clear(cut_list *cuts);
+/* The parts of all bodies after the first `count` cuts; pieces is empty before, and the caller's to clear. */
+pith_status model_pieces(pith_model *model, size_t count, piece_list *pieces, pith_error *err);
+void pieces_clear(piece_list *pieces);
+/* Is the whole piece on one side of a cut? Else the values of the cut at its vertices, which the caller frees. */
+typedef enum piece_side { SIDE_NEGATIVE, SIDE_POSITIVE, SIDE_BOTH } piece_side;
+pith_status piece_side_of(const piece *from, const pith_cut_step *cut, piece_side *side, double **values,
+                          pith_error *err);
+bool cut_keeps(const pith_cut_step *cut, bool positive);
+/* Where a side of a cut goes. */
+pith_vec3 cut_offset(const pith_cut_step *cut, pith_vec3 offset, bool positive);
+/* The message of a failure in a cut, with its place. */
+pith_status cut_fail_at(const pith_model *model, size_t index, pith_status status, pith_error *err);
+/* Forgets shells and pieces. */
 void model_drop_items(pith_model *model);
 
 #endif

@@ -4,7 +4,7 @@
 #include "document_internal.h"
 
 /* Raised when a stage's algorithm changes its result, so that old saved models are built again. */
-enum { STAGE_VERSION = 1 };
+enum { STAGE_VERSION = 2 };
 
 /* ---- tets ----------------------------------------------------------------------------------------------------------------- */
 
@@ -154,46 +154,66 @@ static pith_status hash_file(const char *path, uint64_t *hash, pith_error *err)
     return PITH_OK;
 }
 
-static uint64_t hash_constraints(const pith_document *document, uint64_t hash)
+static uint64_t hash_constraints(const document_body *body, uint64_t hash)
 {
-    for (size_t i = 0; i < document->constraint_count; ++i) {
-        const pith_depth_constraint *c = &document->constraints[i];
+    for (size_t i = 0; i < body->constraint_count; ++i) {
+        const pith_depth_constraint *c = &body->constraints[i];
         const uint64_t kind = (uint64_t)c->kind;
         hash = pith_hash_bytes(&kind, sizeof kind, hash);
         hash = pith_hash_bytes(&c->depth, sizeof c->depth, hash);
         if (c->points) hash = pith_hash_bytes(c->points, c->count * sizeof *c->points, hash);
         if (c->faces) hash = pith_hash_bytes(c->faces, c->count * sizeof *c->faces, hash);
     }
-    return hash_options(&pith_depth_params, &document->depth, hash);
+    return hash_options(&pith_depth_params, &body->depth, hash);
 }
 
-pith_status stage_keys_of(const pith_document *document, stage_keys *keys, pith_error *err)
+/* The number of points goes in too: two strokes of two points are not one of four. */
+static uint64_t hash_strokes(const pith_stroke *strokes, size_t count, uint64_t hash)
+{
+    hash = pith_hash_bytes(&count, sizeof count, hash);
+    for (size_t i = 0; i < count; ++i) {
+        hash = pith_hash_bytes(&strokes[i].count, sizeof strokes[i].count, hash);
+        hash = pith_hash_bytes(strokes[i].points, strokes[i].count * sizeof *strokes[i].points, hash);
+    }
+    return hash;
+}
+
+static uint64_t hash_direction(const document_body *body, uint64_t hash)
+{
+    hash = hash_strokes(body->strokes, body->stroke_count, hash);
+    return hash_options(&pith_smoothing_params, &body->smoothing, hash);
+}
+
+static pith_status hash_shape(const document_body *body, uint64_t *hash, pith_error *err)
+{
+    if (body->mesh_file) PITH_TRY(hash_file(body->mesh_file, hash, err));
+    else *hash = hash_options(&pith_fruit_params, &body->fruit, *hash);
+    *hash = hash_options(&pith_tets_params, &body->tets, *hash);
+    *hash = hash_options(&pith_refine_params, &body->refine, *hash);
+    /* Refining looks at the depth field. */
+    if (body->refine.passes > 0) *hash = hash_constraints(body, *hash);
+    return PITH_OK;
+}
+
+static pith_status hash_exemplar(const document_exemplar *exemplar, uint64_t *hash, pith_error *err)
+{
+    if (exemplar->file) return hash_file(exemplar->file, hash, err);
+    *hash = pith_hash_bytes(&exemplar->recipe->hash, sizeof exemplar->recipe->hash, *hash);
+    return PITH_OK;
+}
+
+pith_status stage_keys_of(const document_body *body, stage_keys *keys, pith_error *err)
 {
     stage_keys made;
     const uint64_t start = pith_mix64(STAGE_VERSION);
+    made.tets = made.exemplar = made.patches = start;
+    PITH_TRY(hash_shape(body, &made.tets, err));
+    made.fields = hash_direction(body, hash_constraints(body, made.tets));
 
-    made.tets = start;
-    if (document->mesh_file) PITH_TRY(hash_file(document->mesh_file, &made.tets, err));
-    else made.tets = hash_options(&pith_fruit_params, &document->fruit, made.tets);
-    made.tets = hash_options(&pith_tets_params, &document->tets, made.tets);
-    made.tets = hash_options(&pith_refine_params, &document->refine, made.tets);
-    /* Refining looks at the depth field. */
-    if (document->refine.passes > 0) made.tets = hash_constraints(document, made.tets);
-
-    made.fields = hash_constraints(document, made.tets);
-    for (size_t i = 0; i < document->stroke_count; ++i) {
-        const pith_stroke *stroke = &document->strokes[i];
-        made.fields = pith_hash_bytes(stroke->points, stroke->count * sizeof *stroke->points, made.fields);
-    }
-    made.fields = hash_options(&pith_smoothing_params, &document->smoothing, made.fields);
-
-    made.exemplar = made.patches = start;
-    const document_solid *solid = document->solid_count ? &document->solids[document->solid] : NULL;
+    const document_solid *solid = body->solid_count ? &body->solids[body->solid] : NULL;
     if (solid && solid->kind == SOLID_LAPPED) {
-        if (solid->exemplar_file) PITH_TRY(hash_file(solid->exemplar_file, &made.exemplar, err));
-        else made.exemplar = pith_hash_bytes(&solid->recipe->hash, sizeof solid->recipe->hash, made.exemplar);
-        made.patches = pith_mix64(made.exemplar) ^ made.fields;
-        made.patches = hash_options(&pith_lapped_params, &solid->lapped, made.patches);
+        PITH_TRY(hash_exemplar(&solid->exemplar, &made.exemplar, err));
+        made.patches = hash_options(&pith_lapped_params, &solid->lapped, pith_mix64(made.exemplar) ^ made.fields);
     }
     *keys = made;
     return PITH_OK;

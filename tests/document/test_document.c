@@ -11,7 +11,7 @@ static void test_the_smallest_document(void **state)
     assert_string_equal(pith_document_title(document), "");
     assert_int_equal(pith_document_solids(document), 0);
     assert_null(pith_document_solid_name(document, 0));
-    assert_int_equal(document->refine.passes, 0);
+    assert_int_equal(document->bodies[0].refine.passes, 0);
     CHECK_NEAR(document->camera.lens.field_of_view, 30, 0);
     pith_document_destroy(document);
     pith_document_destroy(NULL);
@@ -32,23 +32,23 @@ static void test_values_arrive_where_they_belong(void **state)
         " \"camera\": { \"eye\": [5, 0, 0], \"target\": [0, 0, 1], \"field_of_view\": 40 },"
         " \"render\": { \"width\": 320, \"ground\": false } }", &d, &err));
     assert_string_equal(pith_document_title(d), "t");
-    CHECK_NEAR(d->fruit.radius_x, 2.5, 0);
-    assert_int_equal(d->fruit.seed, 9);
-    assert_int_equal(d->refine.passes, 1); /* the section is there, so once */
-    CHECK_NEAR(d->refine.depth_above, 0.5, 0);
-    assert_int_equal(d->constraint_count, 2);
-    assert_int_equal(d->constraints[0].kind, PITH_DEPTH_ALL_FACES);
-    assert_int_equal(d->constraints[1].kind, PITH_DEPTH_STROKE);
-    CHECK_NEAR(d->constraints[1].depth, 1, 0);
-    CHECK_NEAR(d->constraints[1].points[1].z, 0.5, 0);
-    assert_int_equal(d->stroke_count, 1);
-    assert_int_equal(d->solid, 1);
+    CHECK_NEAR(d->bodies[0].fruit.radius_x, 2.5, 0);
+    assert_int_equal(d->bodies[0].fruit.seed, 9);
+    assert_int_equal(d->bodies[0].refine.passes, 1); /* the section is there, so once */
+    CHECK_NEAR(d->bodies[0].refine.depth_above, 0.5, 0);
+    assert_int_equal(d->bodies[0].constraint_count, 2);
+    assert_int_equal(d->bodies[0].constraints[0].kind, PITH_DEPTH_ALL_FACES);
+    assert_int_equal(d->bodies[0].constraints[1].kind, PITH_DEPTH_STROKE);
+    CHECK_NEAR(d->bodies[0].constraints[1].depth, 1, 0);
+    CHECK_NEAR(d->bodies[0].constraints[1].points[1].z, 0.5, 0);
+    assert_int_equal(d->bodies[0].stroke_count, 1);
+    assert_int_equal(d->bodies[0].solid, 1);
     assert_string_equal(pith_document_solid_name(d, 1), "b");
-    assert_int_equal(d->solids[0].lapped.type, PITH_TYPE_1B);
-    assert_int_equal(d->solids[1].lapped.type, PITH_TYPE_1A);
-    assert_false(d->solids[1].lapped.jitter);
-    assert_int_equal(d->solids[1].recipe->recipe.size_s, 16);
-    CHECK_NEAR(d->solids[1].recipe->recipe.stops[0].colour[0], pith_srgb_decode(128.0f / 255.0f), 0);
+    assert_int_equal(d->bodies[0].solids[0].lapped.type, PITH_TYPE_1B);
+    assert_int_equal(d->bodies[0].solids[1].lapped.type, PITH_TYPE_1A);
+    assert_false(d->bodies[0].solids[1].lapped.jitter);
+    assert_int_equal(d->bodies[0].solids[1].exemplar.recipe->recipe.size_s, 16);
+    CHECK_NEAR(d->bodies[0].solids[1].exemplar.recipe->recipe.stops[0].colour[0], pith_srgb_decode(128.0f / 255.0f), 0);
     assert_int_equal(d->cut_count, 2);
     assert_int_equal(d->cuts[0].keep, PITH_KEEP_NEGATIVE);
     CHECK_NEAR(d->cuts[0].plane.normal.z, -4, 0);
@@ -80,7 +80,7 @@ static const refusal refusals[] = {
     { "[]", "kiwi.pith: is a list, expected an object" },
     { "{}", "kiwi.pith: \"pith\" is missing" },
     { "{ \"pith\": 2, \"shape\": { \"fruit\": {} } }", "kiwi.pith: pith: expected 1" },
-    { "{ \"pith\": 1 }", "kiwi.pith: \"shape\" is missing" },
+    { "{ \"pith\": 1 }", "kiwi.pith: has 0 of \"shape\", \"bodies\", expected exactly one of them" },
     { "{ \"pith\": 1, \"shapes\": {} }", "kiwi.pith: unknown key \"shapes\"; did you mean \"shape\"?" },
     { WITH("\"title\": 3"), "kiwi.pith: title: is a number, expected a text" },
     /* shape */
@@ -111,14 +111,14 @@ static const refusal refusals[] = {
     { WITH("\"solids\": {}"), "solids: is an object, expected a list of objects" },
     { WITH("\"solids\": [ { \"name\": \"a\" } ]"), "solids[0]: \"kind\" is missing, expected \"lapped\" or \"grid\"" },
     { WITH("\"solids\": [ { \"name\": \"a\", \"kind\": \"laped\" } ]"), "solids[0].kind: is \"laped\", expected" },
-    { WITH("\"solids\": [ " SAMPLE_SOLID " ]"), "solids[0]: a lapped solid needs a depth field" },
+    { WITH("\"solids\": [ " SAMPLE_SOLID " ]"), "solids[0]: type 1-B needs a depth field" },
     { "{ \"pith\": 1, " SAMPLE_SHAPE ", " SAMPLE_DEPTH ", \"solids\": [ " SAMPLE_SOLID " ] }",
       "solids[0]: type 1-B needs a direction field" },
     { LAPPED(SAMPLE_SOLID ", " SAMPLE_SOLID), "solids[1].name: is \"flesh\", as solids[0] already is" },
     { LAPPED("{ \"name\": \"a\", \"kind\": \"lapped\", \"exemplar\": { \"file\": \"no.nrrd\" } }"),
       "kiwi.pith: solids[0].exemplar.file: there is no file no.nrrd" },
     { LAPPED("{ \"name\": \"a\", \"kind\": \"lapped\", \"type\": \"2-B\", \"exemplar\": { \"layered\": " SAMPLE_RECIPE " } }"),
-      "solids[0].type: is \"2-B\", expected one of 1-A, 1-B" },
+      "solids[0].type: is \"2-B\", expected one of 0-A, 0-B, 0-C, 1-A, 1-B" },
     { LAPPED("{ \"name\": \"a\", \"kind\": \"lapped\", \"jitter\": 1, \"exemplar\": { \"layered\": " SAMPLE_RECIPE " } }"),
       "solids[0].jitter: is a number, expected true or false" },
     { LAPPED("{ \"name\": \"a\", \"kind\": \"grid\", \"file\": \"no.nrrd\", \"clmp\": true }"), "solids[0]" },

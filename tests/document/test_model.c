@@ -358,9 +358,9 @@ static void test_cuts_in_sequence(void **state)
     pith_shell_measure(items[0].shell, NULL, NULL, &whole);
 
     const pith_cut_step cuts[] = {
-        { { { 0.05, 0, 0 }, { 2, 0, 0 } }, PITH_KEEP_BOTH, 0.2 },
-        { { { 0, 0.03, 0 }, { 0, 1, 0.1 } }, PITH_KEEP_BOTH, 0.0 },
-        { { { 0, 0, -0.02 }, { 0, 0, -1 } }, PITH_KEEP_BOTH, 0.4 },
+        { .plane = { { 0.05, 0, 0 }, { 2, 0, 0 } }, .gap = 0.2 },
+        { .plane = { { 0, 0.03, 0 }, { 0, 1, 0.1 } } },
+        { .plane = { { 0, 0, -0.02 }, { 0, 0, -1 } }, .gap = 0.4 },
     };
     CHECK_OK(pith_model_set_cuts(model, cuts, 3, &err));
     CHECK_OK(pith_model_items(model, &items, &count, &err));

@@ -1,0 +1,224 @@
+/* Bodies of a document: from checked JSON to plain structs. */
+#include <stdio.h>
+#include <string.h>
+
+#include "document_internal.h"
+
+/* ---- pieces ---------------------------------------------------------------------------------------------------------- */
+
+pith_status document_text(pith_document *made, const json_t *value, const char **text, pith_error *err)
+{
+    *text = arena_text(&made->memory, value ? json_string_value(value) : "");
+    return *text ? PITH_OK : PITH_OUT_OF_MEMORY(err, "a text");
+}
+
+pith_status document_path(pith_document *made, const json_t *object, const char *key, const char **path,
+                          pith_error *err)
+{
+    const char *written = json_string_value(json_object_get(object, key));
+    *path = NULL;
+    if (!written) return PITH_OK;
+    char *joined = pith_path_join(made->path, written);
+    if (!joined) return PITH_OUT_OF_MEMORY(err, "a path");
+    *path = arena_text(&made->memory, joined);
+    pith_free(joined);
+    return *path ? PITH_OK : PITH_OUT_OF_MEMORY(err, "a path");
+}
+
+pith_status document_points(pith_document *made, const json_t *list, const pith_vec3 **points, size_t *count,
+                            pith_error *err)
+{
+    const size_t length = json_array_size(list);
+    pith_vec3 *copy = arena_alloc(&made->memory, length, sizeof *copy);
+    if (!copy) return PITH_OUT_OF_MEMORY(err, "points");
+    for (size_t i = 0; i < length; ++i) copy[i] = json_point(json_array_get(list, i));
+    *points = copy;
+    *count = length;
+    return PITH_OK;
+}
+
+pith_status document_strokes(pith_document *made, const json_t *list, pith_stroke **strokes, size_t *count,
+                             pith_error *err)
+{
+    const size_t length = json_array_size(list);
+    pith_stroke *copy = arena_alloc(&made->memory, length, sizeof *copy);
+    if (!copy) return PITH_OUT_OF_MEMORY(err, "strokes");
+    for (size_t i = 0; i < length; ++i)
+        PITH_TRY(document_points(made, json_array_get(list, i), &copy[i].points, &copy[i].count, err));
+    *strokes = copy;
+    *count = length;
+    return PITH_OK;
+}
+
+/* ---- shape and fields -------------------------------------------------------------------------------------------------- */
+
+static pith_status build_shape(pith_document *made, const json_t *shape, document_body *to, pith_error *err)
+{
+    PITH_TRY(document_path(made, shape, "mesh", &to->mesh_file, err));
+    json_options(json_object_get(shape, "fruit"), &pith_fruit_params, &to->fruit);
+    json_options(json_object_get(shape, "tets"), &pith_tets_params, &to->tets);
+    const json_t *refine = json_object_get(shape, "refine");
+    json_options(refine, &pith_refine_params, &to->refine);
+    if (!refine) to->refine.passes = 0;
+    return PITH_OK;
+}
+
+static pith_status build_constraint(pith_document *made, const json_t *from, pith_depth_constraint *to,
+                                    pith_error *err)
+{
+    to->depth = json_number_value(json_object_get(from, "depth"));
+    const json_t *faces = json_object_get(from, "faces"), *stroke = json_object_get(from, "stroke");
+    if (!faces) {
+        to->kind = stroke ? PITH_DEPTH_STROKE : PITH_DEPTH_POINTS;
+        return document_points(made, stroke ? stroke : json_object_get(from, "points"), &to->points, &to->count, err);
+    }
+    to->kind = json_is_string(faces) ? PITH_DEPTH_ALL_FACES : PITH_DEPTH_FACES;
+    to->count = json_array_size(faces);
+    uint32_t *copy = arena_alloc(&made->memory, to->count, sizeof *copy);
+    if (!copy) return PITH_OUT_OF_MEMORY(err, "faces");
+    for (size_t i = 0; i < to->count; ++i) copy[i] = (uint32_t)json_integer_value(json_array_get(faces, i));
+    to->faces = copy;
+    return PITH_OK;
+}
+
+static pith_status build_depth(pith_document *made, const json_t *depth, document_body *to, pith_error *err)
+{
+    json_options(depth, &pith_depth_params, &to->depth);
+    const json_t *constraints = json_object_get(depth, "constraints");
+    to->constraint_count = json_array_size(constraints);
+    to->constraints = arena_alloc(&made->memory, to->constraint_count, sizeof *to->constraints);
+    if (!to->constraints) return PITH_OUT_OF_MEMORY(err, "constraints");
+    for (size_t i = 0; i < to->constraint_count; ++i)
+        PITH_TRY(build_constraint(made, json_array_get(constraints, i), &to->constraints[i], err));
+    return PITH_OK;
+}
+
+static pith_status build_direction(pith_document *made, const json_t *direction, document_body *to, pith_error *err)
+{
+    json_options(direction, &pith_smoothing_params, &to->smoothing);
+    return document_strokes(made, json_object_get(direction, "strokes"), &to->strokes, &to->stroke_count, err);
+}
+
+/* ---- solids -------------------------------------------------------------------------------------------------------------- */
+
+const type_needs *type_needs_of(uint32_t type)
+{
+    static const type_needs needs[] = {
+        [PITH_TYPE_0A] = { "0-A", .scale = true },
+        [PITH_TYPE_0B] = { "0-B", .vectors = true, .scale = true },
+        [PITH_TYPE_0C] = { "0-C", .depth = true, .direction = true, .scale = true },
+        [PITH_TYPE_1A] = { "1-A", .depth = true },
+        [PITH_TYPE_1B] = { "1-B", .depth = true, .direction = true },
+    };
+    return &needs[type];
+}
+
+/* `in` stands at the exemplar's object. */
+static pith_status build_exemplar(pith_document *made, reader *in, const json_t *from, document_exemplar *to)
+{
+    PITH_TRY(document_path(made, from, "file", &to->file, in->err));
+    const char *recipe_file;
+    PITH_TRY(document_path(made, from, "recipe", &recipe_file, in->err));
+    if (recipe_file) return pith_recipe_load(recipe_file, &to->recipe, in->err);
+    const json_t *layered = json_object_get(from, "layered");
+    if (!layered) return PITH_OK;
+    reader_enter(in, "layered");
+    pith_error reason;
+    const pith_status status = recipe_build(made->path, layered, &to->recipe, &reason);
+    if (status == PITH_OK) return PITH_OK;
+    /* The sentence begins with the file's name and the place inside the recipe; put the place before that. */
+    const size_t length = strlen(made->path);
+    const bool named = strncmp(reason.message, made->path, length) == 0 && reason.message[length] == ':';
+    return pith_fail(in->err, status, "%s: %s: %s", made->path, in->place, reason.message + (named ? length + 2 : 0));
+}
+
+/* Has the body what a solid of this type is made with? */
+static pith_status check_needs(reader *in, const document_body *body, uint32_t type)
+{
+    const type_needs *needs = type_needs_of(type);
+    if (needs->depth && body->constraint_count == 0)
+        return reader_fail(in, "type %s needs a depth field; give the body \"depth\" with constraints", needs->word);
+    if (needs->direction && body->stroke_count == 0)
+        return reader_fail(in, "type %s needs a direction field; give the body \"direction\" with strokes, or take type "
+                           "%s", needs->word, type == PITH_TYPE_1B ? "1-A" : "0-A");
+    return PITH_OK;
+}
+
+static pith_status build_lapped(pith_document *made, reader *in, const json_t *from, const document_body *body,
+                                document_solid *to)
+{
+    json_options(from, &pith_lapped_params, &to->lapped);
+    PITH_TRY(check_needs(in, body, to->lapped.type));
+    const size_t length = reader_enter(in, "exemplar");
+    PITH_TRY(build_exemplar(made, in, json_object_get(from, "exemplar"), &to->exemplar));
+    reader_leave(in, length);
+    return PITH_OK;
+}
+
+static pith_status build_solid(pith_document *made, reader *in, const json_t *from, const document_body *body,
+                               document_solid *to)
+{
+    PITH_TRY(document_text(made, json_object_get(from, "name"), &to->name, in->err));
+    for (const document_solid *other = body->solids; other < to; ++other)
+        if (strcmp(other->name, to->name) == 0) {
+            reader_enter(in, "name");
+            return reader_fail(in, "is \"%s\", as solids[%td] already is; names must differ", to->name,
+                               other - body->solids);
+        }
+    to->kind = strcmp(json_string_value(json_object_get(from, "kind")), "grid") == 0 ? SOLID_GRID : SOLID_LAPPED;
+    if (to->kind == SOLID_LAPPED) return build_lapped(made, in, from, body, to);
+    json_options(from, &document_grid_params, &to->grid);
+    return document_path(made, from, "file", &to->grid_file, in->err);
+}
+
+static pith_status choose_solid(reader *in, const json_t *name, document_body *to)
+{
+    if (!name) return PITH_OK;
+    const char *names[64] = { NULL };
+    for (size_t i = 0; i < to->solid_count; ++i) {
+        if (strcmp(to->solids[i].name, json_string_value(name)) == 0) {
+            to->solid = i;
+            return PITH_OK;
+        }
+        if (i < 63) names[i] = to->solids[i].name;
+    }
+    const char *near = pith_nearest_word(json_string_value(name), names);
+    reader_enter(in, "solid");
+    return reader_fail(in, "no solid is called \"%.60s\"%s%s%s", json_string_value(name),
+                       near ? "; did you mean \"" : "", near ? near : "", near ? "\"?" : "");
+}
+
+static pith_status build_solids(pith_document *made, reader *in, const json_t *from, document_body *to)
+{
+    const json_t *list = json_object_get(from, "solids");
+    const size_t count = json_array_size(list);
+    to->solids = arena_alloc(&made->memory, count, sizeof *to->solids);
+    if (!to->solids) return PITH_OUT_OF_MEMORY(in->err, "solids");
+    to->solid_count = count;
+    for (size_t i = 0; i < count; ++i) {
+        const size_t length = reader_enter(in, "solids");
+        reader_enter_at(in, i);
+        PITH_TRY(build_solid(made, in, json_array_get(list, i), to, &to->solids[i]));
+        reader_leave(in, length);
+    }
+    return choose_solid(in, json_object_get(from, "solid"), to);
+}
+
+/* ---- bodies -------------------------------------------------------------------------------------------------------------- */
+
+pith_status body_build(pith_document *made, reader *in, const json_t *from, document_body *to)
+{
+    char place[sizeof in->place + 2];
+    snprintf(place, sizeof place, "%s%s", in->place, in->place[0] ? "." : "");
+    to->place = arena_text(&made->memory, place);
+    if (!to->place) return PITH_OUT_OF_MEMORY(in->err, "a place");
+    PITH_TRY(build_shape(made, json_object_get(from, "shape"), to, in->err));
+    PITH_TRY(build_depth(made, json_object_get(from, "depth"), to, in->err));
+    PITH_TRY(build_direction(made, json_object_get(from, "direction"), to, in->err));
+    return build_solids(made, in, from, to);
+}
+
+void body_clear(document_body *body)
+{
+    for (size_t i = 0; i < body->solid_count; ++i) pith_recipe_destroy(body->solids[i].exemplar.recipe);
+}

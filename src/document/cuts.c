@@ -1,0 +1,236 @@
+/* Cuts in sequence: every part there is, is cut; what a cut does not meet passes through as it is. */
+#include <string.h>
+
+#include "model_internal.h"
+
+/* ---- which cuts ------------------------------------------------------------------------------------------------------------ */
+
+void cut_list_clear(cut_list *cuts)
+{
+    pith_free(cuts->steps);
+    pith_free(cuts->points);
+    *cuts = (cut_list){ 0 };
+}
+
+const cut_list *model_cuts(const pith_model *model) { return model->own_cuts ? &model->cuts : &model->owner->cuts; }
+
+static pith_status check_cut(const pith_cut_step *cut, size_t index, pith_error *err)
+{
+    pith_status status = pith_params_check(&pith_cut_step_params, cut, err);
+    if (status != PITH_OK) return pith_fail_in(err, status, "cut %zu", index);
+    const pith_plane *plane = &cut->plane;
+    if (!pith_finite(plane->point) || !pith_finite(plane->normal) || !(pith_length(plane->normal) > 0.0))
+        return pith_fail(err, PITH_BAD_ARGUMENT, "cut %zu: the plane's point and normal must be finite numbers, and the "
+                         "normal not zero", index);
+    return PITH_OK;
+}
+
+/* Copies the steps and the points of their strokes. */
+static pith_status copy_cuts(const pith_cut_step *cuts, size_t count, cut_list *copy, pith_error *err)
+{
+    size_t points = 0;
+    for (size_t i = 0; i < count; ++i) points += cuts[i].stroke.count;
+    copy->steps = pith_alloc(count, sizeof *copy->steps);
+    copy->points = pith_alloc(points, sizeof *copy->points);
+    copy->count = count;
+    if (!copy->steps || !copy->points) {
+        cut_list_clear(copy);
+        return PITH_OUT_OF_MEMORY(err, "cuts");
+    }
+    pith_vec3 *room = copy->points;
+    for (size_t i = 0; i < count; ++i) {
+        copy->steps[i] = cuts[i];
+        copy->steps[i].stroke.points = room;
+        if (cuts[i].stroke.count) memcpy(room, cuts[i].stroke.points, cuts[i].stroke.count * sizeof *room);
+        room += cuts[i].stroke.count;
+    }
+    return PITH_OK;
+}
+
+pith_status pith_model_set_cuts(pith_model *model, const pith_cut_step *cuts, size_t count, pith_error *err)
+{
+    for (size_t i = 0; i < count; ++i) PITH_TRY(check_cut(&cuts[i], i, err));
+    cut_list copy = { 0 };
+    PITH_TRY(copy_cuts(cuts, count, &copy, err));
+    model_drop_items(model);
+    cut_list_clear(&model->cuts);
+    model->cuts = copy;
+    model->own_cuts = true;
+    for (size_t i = 0; i < model->body_count; ++i) { /* bodies follow the whole again */
+        model_drop_items(model->bodies[i]);
+        model->bodies[i]->own_cuts = false;
+    }
+    return PITH_OK;
+}
+
+pith_status cut_fail_at(const pith_model *model, size_t index, pith_status status, pith_error *err)
+{
+    if (status == PITH_CANCELLED) return status;
+    if (!model_cuts(model)->from_document) return pith_fail_in(err, status, "cut %zu", index);
+    return pith_fail_in(err, status, "%s: cuts[%zu]", model->document->path, index);
+}
+
+/* ---- sides -------------------------------------------------------------------------------------------------------------------- */
+
+bool cut_keeps(const pith_cut_step *cut, bool positive)
+{
+    return cut->keep == PITH_KEEP_BOTH || (cut->keep == PITH_KEEP_POSITIVE) == positive;
+}
+
+pith_vec3 cut_offset(const pith_cut_step *cut, pith_vec3 offset, bool positive)
+{
+    if (cut->keep != PITH_KEEP_BOTH) return offset;
+    return pith_madd(offset, pith_unit(cut->plane.normal), positive ? 0.5 * cut->gap : -0.5 * cut->gap);
+}
+
+/* A plane that misses the box of a piece, by more than rounding, needs no look at its vertices. */
+static piece_side side_of_box(const pith_box *box, const pith_plane *plane)
+{
+    const pith_vec3 normal = pith_unit(plane->normal);
+    const pith_vec3 middle = pith_lerp(box->low, box->high, 0.5), half = pith_sub(box->high, middle);
+    const double distance = pith_dot(pith_sub(middle, plane->point), normal);
+    const double reach = fabs(half.x * normal.x) + fabs(half.y * normal.y) + fabs(half.z * normal.z);
+    const double air = fabs(distance) - reach;
+    if (!(air > 1e-9 * (pith_length(half) + fabs(distance)))) return SIDE_BOTH;
+    return distance > 0.0 ? SIDE_POSITIVE : SIDE_NEGATIVE;
+}
+
+pith_status piece_side_of(const piece *from, const pith_cut_step *cut, piece_side *side, double **values,
+                          pith_error *err)
+{
+    *side = side_of_box(&from->box, &cut->plane);
+    if (*side != SIDE_BOTH) return PITH_OK;
+    const uint32_t count = pith_part_look(from->part).vertex_count;
+    double *made = pith_alloc(count, sizeof *made);
+    if (!made) return PITH_OUT_OF_MEMORY(err, "a cut");
+    const pith_status status = pith_part_plane_values(from->part, &cut->plane, made, err);
+    double lowest = INFINITY, highest = -INFINITY;
+    for (uint32_t v = 0; status == PITH_OK && v < count; ++v) {
+        lowest = fmin(lowest, made[v]);
+        highest = fmax(highest, made[v]);
+    }
+    if (status == PITH_OK && lowest >= 0.0) *side = SIDE_POSITIVE;
+    else if (status == PITH_OK && highest <= 0.0) *side = SIDE_NEGATIVE;
+    if (status == PITH_OK && *side == SIDE_BOTH) *values = made;
+    else pith_free(made);
+    return status;
+}
+
+/* ---- pieces --------------------------------------------------------------------------------------------------------------------- */
+
+void pieces_clear(piece_list *pieces)
+{
+    for (size_t i = 0; i < pieces->count; ++i)
+        if (!pieces->items[i].borrowed) pith_part_destroy(pieces->items[i].part);
+    pith_free(pieces->items);
+    *pieces = (piece_list){ 0 };
+}
+
+/* Takes the part over, also when it fails; parts without tets are dropped. */
+static pith_status add_piece(piece_list *pieces, piece added, pith_error *err)
+{
+    if (pith_part_look(added.part).tet_count == 0) {
+        if (!added.borrowed) pith_part_destroy(added.part);
+        return PITH_OK;
+    }
+    if (!pith_grow((void **)&pieces->items, &pieces->capacity, pieces->count + 1, sizeof *pieces->items)) {
+        if (!added.borrowed) pith_part_destroy(added.part);
+        return PITH_OUT_OF_MEMORY(err, "a piece");
+    }
+    pieces->items[pieces->count++] = added;
+    return PITH_OK;
+}
+
+/* The same part, or part of it, as a piece that owns it. */
+static piece piece_of(const piece *from, pith_part *part, pith_vec3 offset)
+{
+    const pith_part_view view = pith_part_look(part);
+    return (piece){ from->body, part, false, pith_box_of(view.material, view.vertex_count), offset };
+}
+
+static pith_status split_piece(piece *from, const pith_cut_step *cut, piece_list *to, pith_error *err)
+{
+    double *values = NULL;
+    piece_side side;
+    PITH_TRY(piece_side_of(from, cut, &side, &values, err));
+    if (side != SIDE_BOTH) { /* passes on as it is */
+        if (!cut_keeps(cut, side == SIDE_POSITIVE)) return PITH_OK;
+        piece passed = *from;
+        passed.offset = cut_offset(cut, from->offset, side == SIDE_POSITIVE);
+        from->borrowed = true; /* it is the other list's from now on */
+        return add_piece(to, passed, err);
+    }
+    pith_part *sides[2] = { NULL, NULL };
+    pith_status status = pith_part_split(from->part, values, cut_keeps(cut, false) ? &sides[0] : NULL,
+                                         cut_keeps(cut, true) ? &sides[1] : NULL, err);
+    pith_free(values);
+    for (int k = 0; k < 2; ++k) {
+        if (!sides[k]) continue;
+        if (status == PITH_OK)
+            status = add_piece(to, piece_of(from, sides[k], cut_offset(cut, from->offset, k == 1)), err);
+        else pith_part_destroy(sides[k]);
+    }
+    return status;
+}
+
+/* Every piece that consists of several bodies becomes several pieces. */
+static pith_status separate_pieces(piece_list *pieces, pith_error *err)
+{
+    piece_list apart = { 0 };
+    pith_status status = PITH_OK;
+    for (size_t i = 0; status == PITH_OK && i < pieces->count; ++i) {
+        piece *from = &pieces->items[i];
+        pith_part **parts = NULL;
+        size_t count = 0;
+        status = pith_part_components(from->part, &parts, &count, err);
+        for (size_t k = 0; k < count; ++k) {
+            if (status == PITH_OK) status = add_piece(&apart, piece_of(from, parts[k], from->offset), err);
+            else pith_part_destroy(parts[k]);
+        }
+        pith_free(parts);
+    }
+    if (status == PITH_OK) {
+        pieces_clear(pieces);
+        *pieces = apart;
+    } else {
+        pieces_clear(&apart);
+    }
+    return status;
+}
+
+static pith_status split_pieces(piece_list *pieces, const pith_cut_step *cut, pith_error *err)
+{
+    piece_list made = { 0 };
+    pith_status status = PITH_OK;
+    for (size_t i = 0; status == PITH_OK && i < pieces->count; ++i)
+        status = split_piece(&pieces->items[i], cut, &made, err);
+    if (status == PITH_OK && cut->separate) status = separate_pieces(&made, err);
+    if (status == PITH_OK) {
+        pieces_clear(pieces);
+        *pieces = made;
+    } else {
+        pieces_clear(&made);
+    }
+    return status;
+}
+
+static pith_status add_whole(pith_model *body, piece_list *pieces, pith_error *err)
+{
+    PITH_TRY(pith_model_part(body, NULL, err));
+    piece whole = piece_of(&(piece){ .body = body }, body->whole, pith_v3(0, 0, 0));
+    whole.borrowed = true;
+    return add_piece(pieces, whole, err);
+}
+
+pith_status model_pieces(pith_model *model, size_t count, piece_list *pieces, pith_error *err)
+{
+    const cut_list *cuts = model_cuts(model);
+    if (model->body) PITH_TRY(add_whole(model, pieces, err));
+    for (size_t i = 0; i < model->body_count; ++i) PITH_TRY(add_whole(model->bodies[i], pieces, err));
+    for (size_t i = 0; i < count; ++i) {
+        PITH_TRY(pith_progress_step(model->progress, (double)i / (double)count, "cuts", err));
+        const pith_status status = split_pieces(pieces, &cuts->steps[i], err);
+        if (status != PITH_OK) return cut_fail_at(model, i, status, err);
+    }
+    return PITH_OK;
+}

@@ -1,0 +1,202 @@
+/* Fields of a body: depth and its gradient, secondary directions. */
+#include "model_internal.h"
+
+#include <string.h>
+
+/* ---- depth ---------------------------------------------------------------------------------------------------------------- */
+
+/* Faces in a document are triangles of the cleaned mesh; the field wants those of the tets' surface, which may be
+   ordered otherwise, refined, or remeshed. A surface triangle belongs to the mesh triangle nearest to its middle. */
+static pith_status map_faces(pith_model *model, const pith_tets *tets, pith_depth_constraint *constraints,
+                             size_t count, arena *memory, pith_error *err)
+{
+    bool any = false;
+    for (size_t i = 0; i < count; ++i) any |= constraints[i].kind == PITH_DEPTH_FACES;
+    if (!any) return PITH_OK;
+
+    const pith_mesh *mesh;
+    PITH_TRY(pith_model_mesh(model, &mesh, NULL, err));
+    const pith_mesh_view inner = pith_mesh_look(mesh);
+    pith_mesh *surface = NULL;
+    pith_tracer *tracer = NULL;
+    pith_status status = pith_tets_surface(tets, &surface, NULL, NULL, err);
+    if (status == PITH_OK) status = pith_tracer_create(&inner, &tracer, err);
+    if (status != PITH_OK) {
+        pith_mesh_destroy(surface);
+        return status;
+    }
+
+    const pith_mesh_view outer = pith_mesh_look(surface);
+    pith_vec3 *middles = arena_alloc(memory, outer.triangle_count, sizeof *middles);
+    pith_nearest *nearest = arena_alloc(memory, outer.triangle_count, sizeof *nearest);
+    bool *chosen = arena_alloc(memory, inner.triangle_count, sizeof *chosen);
+    if (!middles || !nearest || !chosen) status = PITH_OUT_OF_MEMORY(err, "painted faces");
+    for (uint32_t t = 0; status == PITH_OK && t < outer.triangle_count; ++t) {
+        const uint32_t *corner = outer.triangles[t];
+        const pith_vec3 sum = pith_add(pith_add(outer.positions[corner[0]], outer.positions[corner[1]]),
+                                       outer.positions[corner[2]]);
+        middles[t] = pith_scale(sum, 1.0 / 3.0);
+    }
+    if (status == PITH_OK) pith_tracer_nearest(tracer, middles, outer.triangle_count, nearest);
+
+    for (size_t i = 0; status == PITH_OK && i < count; ++i) {
+        pith_depth_constraint *c = &constraints[i];
+        if (c->kind != PITH_DEPTH_FACES) continue;
+        memset(chosen, 0, inner.triangle_count * sizeof *chosen);
+        for (size_t f = 0; f < c->count && status == PITH_OK; ++f) {
+            if (c->faces[f] >= inner.triangle_count)
+                status = pith_fail(err, PITH_BAD_DOCUMENT, "%s: %sdepth.constraints[%zu].faces[%zu]: is %u, but the cleaned "
+                                   "mesh has %u triangles", model->document->path, model->body->place, i, f,
+                                   c->faces[f], inner.triangle_count);
+            else chosen[c->faces[f]] = true;
+        }
+        uint32_t *faces = status == PITH_OK ? arena_alloc(memory, outer.triangle_count, sizeof *faces) : NULL;
+        if (status == PITH_OK && !faces) status = PITH_OUT_OF_MEMORY(err, "painted faces");
+        if (status != PITH_OK) break;
+        c->count = 0;
+        for (uint32_t t = 0; t < outer.triangle_count; ++t)
+            if (nearest[t].triangle != PITH_NONE && chosen[nearest[t].triangle]) faces[c->count++] = t;
+        c->faces = faces;
+    }
+    pith_tracer_destroy(tracer);
+    pith_mesh_destroy(surface);
+    return status;
+}
+
+pith_status model_build_depth(pith_model *model, const pith_tets *tets, double *depth, pith_vec3 *gradient,
+                              pith_error *err)
+{
+    const document_body *body = model->body;
+    if (body->constraint_count == 0)
+        return pith_fail(err, PITH_BAD_DOCUMENT, "%s: %sdepth: is missing, and this needs the depth field",
+                         model->document->path, body->place);
+    arena memory = { NULL };
+    pith_depth_constraint *constraints = arena_alloc(&memory, body->constraint_count, sizeof *constraints);
+    if (!constraints) return PITH_OUT_OF_MEMORY(err, "constraints");
+    memcpy(constraints, body->constraints, body->constraint_count * sizeof *constraints);
+    pith_status status = map_faces(model, tets, constraints, body->constraint_count, &memory, err);
+    if (status == PITH_OK) {
+        status = pith_depth_field(tets, constraints, body->constraint_count, &body->depth, depth, gradient, err);
+        if (status != PITH_OK)
+            status = model_fail_at(model, status, "depth", "depth constraint", "depth.constraints", err);
+    }
+    arena_clear(&memory);
+    return status;
+}
+
+pith_status model_build_secondary(pith_model *model, const pith_tets *tets, const pith_locator *locator,
+                                  const double *depth, const pith_vec3 *gradient, pith_vec3 *secondary,
+                                  pith_error *err)
+{
+    const document_body *body = model->body;
+    const pith_status status = pith_secondary_field(tets, locator, depth, gradient, body->strokes, body->stroke_count,
+                                                    &body->smoothing, secondary, err);
+    return status == PITH_OK ? PITH_OK
+                             : model_fail_at(model, status, "direction", "stroke", "direction.strokes", err);
+}
+
+/* ---- fields that are kept ---------------------------------------------------------------------------------------------------- */
+
+/* Some arrays of doubles at the vertices, kept as one section, one after another. */
+enum { MOST_SLOTS = 3 };
+typedef struct slot { double *values; size_t width; } slot; /* width: numbers a vertex */
+typedef struct slots {
+    const char *stage, *what;
+    uint64_t key;
+    slot slot[MOST_SLOTS];
+    size_t count, vertices;
+} slots;
+
+static void slots_clear(slots *all)
+{
+    for (size_t i = 0; i < all->count; ++i) {
+        pith_free(all->slot[i].values);
+        all->slot[i].values = NULL;
+    }
+}
+
+static pith_status slots_alloc(slots *all, pith_error *err)
+{
+    for (size_t i = 0; i < all->count; ++i) {
+        all->slot[i].values = pith_alloc(all->vertices, all->slot[i].width * sizeof(double));
+        if (all->slot[i].values) continue;
+        slots_clear(all);
+        return PITH_OUT_OF_MEMORY(err, all->what);
+    }
+    return PITH_OK;
+}
+
+/* The kept arrays; false, with everything as it was, when there are none or they do not fit. */
+static bool slots_recall(pith_model *model, slots *all)
+{
+    byte_reader in;
+    if (!model_recall(model, all->stage, all->key, &in)) return false;
+    pith_error damage;
+    pith_status status = slots_alloc(all, &damage);
+    for (size_t i = 0; status == PITH_OK && i < all->count; ++i)
+        read_words(&in, all->slot[i].values, all->vertices * all->slot[i].width, sizeof(double));
+    if (status == PITH_OK && (in.failed || in.at != in.size))
+        status = pith_fail(&damage, PITH_BAD_FILE, "their length is wrong");
+    model_release(&in);
+    if (status == PITH_OK) return true;
+    slots_clear(all);
+    model_note_damage(model, all->what, &damage);
+    return false;
+}
+
+static void slots_keep(pith_model *model, const slots *all)
+{
+    if (!model->owner->store) return;
+    byte_writer out = { 0 };
+    for (size_t i = 0; i < all->count; ++i)
+        write_words(&out, all->slot[i].values, all->vertices * all->slot[i].width, sizeof(double));
+    model_keep(model, all->stage, all->key, &out);
+}
+
+/* ---- depth and direction ---------------------------------------------------------------------------------------------------- */
+
+static pith_status build_fields(pith_model *model, slots *all, pith_error *err)
+{
+    const double start = pith_seconds();
+    pith_vec3 *gradient = (pith_vec3 *)all->slot[1].values, *secondary = (pith_vec3 *)all->slot[2].values;
+    PITH_TRY(pith_progress_step(model->progress, 0.0, "depth and direction fields", err));
+    PITH_TRY(model_build_depth(model, model->tets, all->slot[0].values, gradient, err));
+    if (secondary) {
+        PITH_TRY(pith_progress_step(model->progress, 0.5, "depth and direction fields", err));
+        PITH_TRY(pith_model_locator(model, NULL, err));
+        PITH_TRY(model_build_secondary(model, model->tets, model->locator, all->slot[0].values, gradient, secondary,
+                                       err));
+    }
+    model_took(model, offsetof(pith_model_times, fields), start);
+    return PITH_OK;
+}
+
+static pith_status obtain_fields(pith_model *model, pith_error *err)
+{
+    slots all = { .stage = "fields", .what = "fields", .key = model->keys.fields, .slot = { { NULL, 1 }, { NULL, 3 }, { NULL, 3 } },
+                  .count = model->body->stroke_count ? 3 : 2, .vertices = pith_tets_look(model->tets).vertex_count };
+    if (!slots_recall(model, &all)) {
+        PITH_TRY(slots_alloc(&all, err));
+        const pith_status status = build_fields(model, &all, err);
+        if (status != PITH_OK) {
+            slots_clear(&all);
+            return status;
+        }
+        slots_keep(model, &all);
+    }
+    model->depth = all.slot[0].values;
+    model->gradient = (pith_vec3 *)all.slot[1].values;
+    model->secondary = (pith_vec3 *)all.slot[2].values;
+    return PITH_OK;
+}
+
+pith_status pith_model_fields(pith_model *model, const double **depth, const pith_vec3 **gradient,
+                              const pith_vec3 **secondary, pith_error *err)
+{
+    PITH_TRY(pith_model_tets(model, NULL, NULL, err));
+    if (!model->depth) PITH_TRY(obtain_fields(model, err));
+    if (depth) *depth = model->depth;
+    if (gradient) *gradient = model->gradient;
+    if (secondary) *secondary = model->secondary;
+    return PITH_OK;
+}
