@@ -129,7 +129,7 @@ pith_status pith_lapped_texture(const pith_solid *solid, const pith_query *query
 
 /** The patches as bytes (pastes, exemplar and mesh not included), for the cache; free with pith_free. */
 pith_status pith_lapped_save(const pith_solid *solid, unsigned char **bytes, size_t *size, pith_error *err);
-/** A solid from saved patches over the same tets, depth and exemplar; every index is checked. */
+/** A solid from saved patches over the same tets, depth (NULL for types 0) and exemplar; every index is checked. */
 pith_status pith_lapped_load(const void *bytes, size_t size, const pith_tets *tets, const double *depth,
                              const pith_grid *exemplar, pith_solid **solid, pith_error *err);
 

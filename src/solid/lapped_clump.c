@@ -40,23 +40,30 @@ void lapped_workspace_free(lapped_workspace *work)
 lapped_axes lapped_axes_of(const lapped_context *context, const lapped_seed *seed, uint32_t tet)
 {
     const lapped_tet *frame = &context->frames[tet];
-    lapped_axes axes = { .s = frame->primary };
-    if (context->options->type == PITH_TYPE_1B) {
-        axes.t = frame->secondary;
-    } else {
-        const pith_vec3 t = pith_reject(seed->direction, frame->primary);
-        axes.t = pith_length(t) > 1e-9 ? pith_unit(t) : pith_perpendicular(frame->primary);
+    const uint32_t type = context->options->type;
+    lapped_axes axes = { .s = frame->primary, .t = frame->secondary };
+    if (type == PITH_TYPE_0A) {
+        axes.s = seed->direction;
+        axes.t = seed->second;
+    } else if (type == PITH_TYPE_0B || type == PITH_TYPE_1A) {
+        /* One axis is the field's; the other is the patch's random vector, made perpendicular to it. */
+        const pith_vec3 given = type == PITH_TYPE_0B ? axes.t : axes.s, other = pith_reject(seed->direction, given);
+        const pith_vec3 chosen = pith_length(other) > 1e-9 ? pith_unit(other) : pith_perpendicular(given);
+        if (type == PITH_TYPE_0B) axes.s = chosen;
+        else axes.t = chosen;
     }
     axes.r = pith_cross(axes.s, axes.t);
     return axes;
 }
 
-/* Gradients of u and v over a tet: the unit axes over the length of the texture's edge there. */
-static void uv_gradients(const lapped_context *context, const lapped_seed *seed, uint32_t tet, pith_vec3 gradients[2])
+/* Gradients of the texture coordinates over a tet: the unit axes over the length of the texture's edge there. */
+static void uv_gradients(const lapped_context *context, const lapped_seed *seed, uint32_t tet, pith_vec3 gradients[3])
 {
     const lapped_axes axes = lapped_axes_of(context, seed, tet);
-    gradients[0] = pith_scale(axes.r, 1.0 / context->frames[tet].scale);
-    gradients[1] = pith_scale(axes.t, 1.0 / context->frames[tet].scale);
+    const double density = 1.0 / context->frames[tet].scale;
+    gradients[0] = pith_scale(axes.r, density);
+    gradients[1] = pith_scale(axes.t, density);
+    gradients[2] = pith_scale(axes.s, density);
 }
 
 /* Is the frame "not markedly different" from the seed's? */
@@ -64,33 +71,37 @@ static bool frame_fits(const lapped_context *context, const lapped_workspace *wo
                        uint32_t tet)
 {
     const lapped_axes axes = lapped_axes_of(context, &work->seed, tet);
+    const bool trusted = context->frames[tet].confidence >= little_confidence;
+    if (!trusted && context->options->type == PITH_TYPE_0B) return true;
     if (pith_dot(axes.t, seed_axes->t) < context->cos_limit) return false;
-    if (context->frames[tet].confidence < little_confidence) return true;
+    if (!trusted) return true;
     return pith_dot(axes.s, seed_axes->s) >= context->cos_limit && pith_dot(axes.r, seed_axes->r) >= context->cos_limit;
 }
 
-/* Could any point with these texture coordinates (and depths between) be inside the mask? */
-static bool touches_mask(const lapped_context *context, int mask, const double (*uv)[2], const double *depth, int count)
+/* Could any point of a simplex with these coordinates at its corners be inside the mask? */
+static bool touches_mask(const lapped_context *context, int mask, const double (*uv)[3], const uint32_t *vertices,
+                         int count)
 {
     double low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY };
     for (int k = 0; k < count; ++k) {
-        const double at[3] = { uv[k][0], depth[k], uv[k][1] };
+        double at[3];
+        lapped_rst(context, uv[k], vertices[k], at);
         for (int axis = 0; axis < 3; ++axis) {
             low[axis] = fmin(low[axis], at[axis]);
             high[axis] = fmax(high[axis], at[axis]);
         }
     }
-    return lapped_mask_over(context->masks, mask, low, high) != VERDICT_NONE;
+    return lapped_mask_over(&context->masks[mask], low, high) != VERDICT_NONE;
 }
 
 /* Adds a tet whose corners have the given coordinates; corners that are new to the clump become local vertices. */
-static bool clump_add(const lapped_context *context, lapped_workspace *work, uint32_t tet, const double uv[4][2])
+static bool clump_add(const lapped_context *context, lapped_workspace *work, uint32_t tet, const double uv[4][3])
 {
-    const size_t tets = work->tet_count + 1, vertices = work->vertex_count + 4;
+    const size_t tets = work->tet_count + 1, vertices = work->vertex_count + 4, n = (size_t)context->components;
     if (!pith_grow((void **)&work->tets, &work->tet_capacity, tets, sizeof *work->tets) ||
         !pith_grow((void **)&work->corners, &work->corner_capacity, tets, sizeof *work->corners) ||
         !pith_grow((void **)&work->vertices, &work->vertices_capacity, vertices, sizeof *work->vertices) ||
-        !pith_grow((void **)&work->uv, &work->uv_capacity, vertices, sizeof *work->uv))
+        !pith_grow((void **)&work->uv, &work->uv_capacity, vertices * n, sizeof *work->uv))
         return false;
     for (int k = 0; k < 4; ++k) {
         const uint32_t v = context->tets.tets[tet][k];
@@ -98,7 +109,7 @@ static bool clump_add(const lapped_context *context, lapped_workspace *work, uin
             work->vertex_stamp[v] = work->stamp;
             work->vertex_local[v] = (uint32_t)work->vertex_count;
             work->vertices[work->vertex_count] = v;
-            memcpy(work->uv[work->vertex_count++], uv[k], sizeof *uv);
+            memcpy(work->uv + n * work->vertex_count++, uv[k], n * sizeof **uv);
         }
         work->corners[work->tet_count][k] = work->vertex_local[v];
     }
@@ -113,44 +124,47 @@ bool lapped_clump_start(const lapped_context *context, lapped_workspace *work)
     work->tet_count = work->vertex_count = work->front = 0;
     work->rounds = 0;
     const uint32_t *corners = context->tets.tets[work->seed.tet];
-    pith_vec3 centre = { 0, 0, 0 }, gradients[2];
+    pith_vec3 centre = { 0, 0, 0 }, gradients[3];
     for (int k = 0; k < 4; ++k)
         centre = pith_madd(centre, context->tets.positions[corners[k]], (double)work->seed.weights[k]);
     uv_gradients(context, &work->seed, work->seed.tet, gradients);
-    double uv[4][2];
+    double uv[4][3];
     for (int k = 0; k < 4; ++k) {
         const pith_vec3 arm = pith_sub(context->tets.positions[corners[k]], centre);
-        for (int c = 0; c < 2; ++c) uv[k][c] = 0.5 + pith_dot(gradients[c], arm);
+        for (int c = 0; c < 3; ++c) uv[k][c] = 0.5 + pith_dot(gradients[c], arm);
     }
-    return clump_add(context, work, work->seed.tet, (const double(*)[2])uv);
+    return clump_add(context, work, work->seed.tet, (const double(*)[3])uv);
 }
 
 /* Coordinates of a neighbour's four corners: those it shares are known, the fourth is carried over from them by the
    neighbour's own frame. Returns false when the fourth is known too and disagrees: the clump has met itself. */
-static bool carry(const lapped_context *context, const lapped_workspace *work, uint32_t tet, double uv[4][2])
+static bool carry(const lapped_context *context, const lapped_workspace *work, uint32_t tet, double uv[4][3])
 {
-    pith_vec3 gradients[2];
+    const int n = context->components;
+    pith_vec3 gradients[3];
     uv_gradients(context, &work->seed, tet, gradients);
     const uint32_t *corners = context->tets.tets[tet];
     int fourth = -1;
     for (int k = 0; k < 4; ++k) {
         const uint32_t v = corners[k];
         const bool known = work->vertex_stamp[v] == work->stamp;
-        if (known) memcpy(uv[k], work->uv[work->vertex_local[v]], sizeof uv[k]);
+        if (known) memcpy(uv[k], work->uv + (size_t)n * work->vertex_local[v], (size_t)n * sizeof **uv);
         else fourth = k;
     }
     for (int k = 0; k < 4; ++k) {
         if (fourth >= 0 && k != fourth) continue; /* all known: each must agree with the other three */
-        double carried[2] = { 0, 0 };
+        double carried[3] = { 0, 0, 0 };
         for (int j = 0; j < 4; ++j) {
             if (j == k) continue;
             const pith_vec3 arm = pith_sub(context->tets.positions[corners[k]], context->tets.positions[corners[j]]);
-            for (int c = 0; c < 2; ++c) carried[c] += (uv[j][c] + pith_dot(gradients[c], arm)) / 3.0;
+            for (int c = 0; c < n; ++c) carried[c] += (uv[j][c] + pith_dot(gradients[c], arm)) / 3.0;
         }
-        if (k == fourth)
+        if (k == fourth) {
             memcpy(uv[k], carried, sizeof carried);
-        else if (!(fabs(carried[0] - uv[k][0]) <= carry_tolerance && fabs(carried[1] - uv[k][1]) <= carry_tolerance))
-            return false;
+            continue;
+        }
+        for (int c = 0; c < n; ++c)
+            if (!(fabs(carried[c] - uv[k][c]) <= carry_tolerance)) return false;
     }
     return true;
 }
@@ -164,11 +178,10 @@ bool lapped_clump_grow(const lapped_context *context, lapped_workspace *work)
             const uint32_t tet = neighbours[face];
             if (tet == PITH_NONE || work->tet_stamp[tet] == work->stamp) continue;
             if (!frame_fits(context, work, &seed_axes, tet)) continue;
-            double uv[4][2], depth[4];
+            double uv[4][3];
             if (!carry(context, work, tet, uv)) continue;
-            for (int k = 0; k < 4; ++k) depth[k] = context->depth[context->tets.tets[tet][k]];
-            if (!touches_mask(context, work->seed.mask, (const double(*)[2])uv, depth, 4)) continue;
-            if (!clump_add(context, work, tet, (const double(*)[2])uv)) return false;
+            if (!touches_mask(context, work->seed.mask, (const double(*)[3])uv, context->tets.tets[tet], 4)) continue;
+            if (!clump_add(context, work, tet, (const double(*)[3])uv)) return false;
         }
     }
     return true;
@@ -176,22 +189,23 @@ bool lapped_clump_grow(const lapped_context *context, lapped_workspace *work)
 
 void lapped_clump_fade(const lapped_context *context, lapped_workspace *work)
 {
+    const size_t n = (size_t)context->components;
     memset(work->fade, 1, work->vertex_count);
     for (size_t i = 0; i < work->tet_count; ++i) {
         const uint32_t *neighbours = context->tets.neighbours[work->tets[i]];
         for (int face = 0; face < 4; ++face) {
             const uint32_t tet = neighbours[face];
             if (tet == PITH_NONE || work->tet_stamp[tet] == work->stamp) continue;
-            double uv[3][2], depth[3];
-            uint32_t locals[3];
-            for (int k = 0, n = 0; k < 4; ++k) {
+            double uv[3][3];
+            uint32_t locals[3], vertices[3];
+            for (int k = 0, at = 0; k < 4; ++k) {
                 if (k == face) continue;
-                const uint32_t local = work->corners[i][k];
-                locals[n] = local;
-                memcpy(uv[n], work->uv[local], sizeof uv[n]);
-                depth[n++] = context->depth[work->vertices[local]];
+                locals[at] = work->corners[i][k];
+                vertices[at] = work->vertices[locals[at]];
+                memcpy(uv[at], work->uv + n * locals[at], n * sizeof **uv);
+                ++at;
             }
-            if (touches_mask(context, work->seed.mask, (const double(*)[2])uv, depth, 3))
+            if (touches_mask(context, work->seed.mask, (const double(*)[3])uv, vertices, 3))
                 for (int k = 0; k < 3; ++k) work->fade[locals[k]] = 0;
         }
     }

@@ -1,7 +1,7 @@
 /* What a fill knows of the mesh before the first patch: a frame, a scale and a confidence per tet, and edge numbers.
-   Frames are averages over a tet's vertices (thesis §5.3.2, "Constructing a Frame Field"); the scale is the inverse of
-   the depth gradient's magnitude ("Creation of Depth-Varying Solid Models"), bounded above where the gradient vanishes and
-   below where the model thins out. */
+   Frames are averages over a tet's vertices (thesis §5.3.2, "Constructing a Frame Field"). The scale is the user's for types
+   0; for types 1 it is the inverse of the depth gradient's magnitude ("Creation of Depth-Varying Solid Models"), bounded
+   above where the gradient vanishes and below where the model thins out. */
 #include "lapped_internal.h"
 
 #include <stdlib.h>
@@ -29,25 +29,51 @@ static pith_status median_scale(const pith_lapped_input *input, uint32_t vertex_
     return PITH_OK;
 }
 
-/* Frame, scale and confidence of one tet. Near the core the vertices' gradients point every way and cancel: what is left
-   of the mean, against the bound on the scale, says how far the frame there is to be trusted. */
-static lapped_tet tet_frame(const pith_lapped_input *input, const uint32_t corners[4], double smallest_scale,
-                            double largest_scale)
+/* What a tet's frame is made from: means over its corners. */
+typedef struct corner_means {
+    pith_vec3 gradient;     /* of the gradients as they are (types 1), of their directions (0-C) */
+    double magnitude;       /* of the gradients */
+    pith_vec3 direction;
+    double scale;
+} corner_means;
+
+static corner_means means_of(const pith_lapped_input *input, const uint32_t corners[4], bool homogeneous)
 {
-    pith_vec3 gradient = { 0, 0, 0 }, secondary = { 0, 0, 0 };
-    double magnitude = 0.0;
+    corner_means mean = { { 0, 0, 0 }, 0.0, { 0, 0, 0 }, 0.0 };
     for (int k = 0; k < 4; ++k) {
-        const pith_vec3 g = input->gradient[corners[k]];
-        gradient = pith_madd(gradient, g, 0.25);
-        magnitude += 0.25 * pith_length(g);
-        if (input->direction) secondary = pith_add(secondary, input->direction[corners[k]]);
+        const uint32_t v = corners[k];
+        if (input->gradient) {
+            const pith_vec3 g = input->gradient[v];
+            mean.gradient = pith_madd(mean.gradient, homogeneous ? pith_unit(g) : g, 0.25);
+            mean.magnitude += 0.25 * pith_length(g);
+        }
+        if (input->direction) mean.direction = pith_madd(mean.direction, input->direction[v], 0.25);
+        if (input->scale) mean.scale += 0.25 * input->scale[v];
     }
-    lapped_tet tet;
-    tet.scale = magnitude * largest_scale > 1.0 ? fmax(1.0 / magnitude, smallest_scale) : largest_scale;
-    tet.primary = pith_length(gradient) > 0.0 ? pith_unit(gradient) : pith_v3(0, 0, 1);
-    secondary = pith_reject(secondary, tet.primary);
-    tet.secondary = pith_length(secondary) > 1e-9 ? pith_unit(secondary) : pith_perpendicular(tet.primary);
-    const double trust = pith_length(gradient) * tet.scale;
+    return mean;
+}
+
+/* Frame, scale and confidence of one tet. Near the core the vertices' gradients point every way and cancel: what is left
+   of the mean, against the bound on the scale, says how far the frame there is to be trusted. Where a vector field turns
+   on the spot its directions cancel likewise. */
+static lapped_tet tet_frame(const pith_lapped_input *input, uint32_t type, const uint32_t corners[4],
+                            const double scale_range[2])
+{
+    const corner_means mean = means_of(input, corners, lapped_homogeneous(type));
+    lapped_tet tet = { pith_v3(0, 0, 1), pith_v3(1, 0, 0), mean.scale, 1.0 };
+    double trust = 1.0;
+    if (type == PITH_TYPE_0B) {
+        trust = pith_length(mean.direction);
+        if (trust > 1e-9) tet.secondary = pith_unit(mean.direction);
+    } else if (type != PITH_TYPE_0A) {
+        if (!lapped_homogeneous(type))
+            tet.scale = mean.magnitude * scale_range[1] > 1.0 ? fmax(1.0 / mean.magnitude, scale_range[0])
+                                                              : scale_range[1];
+        if (pith_length(mean.gradient) > 0.0) tet.primary = pith_unit(mean.gradient);
+        const pith_vec3 across = pith_reject(mean.direction, tet.primary);
+        tet.secondary = pith_length(across) > 1e-9 ? pith_unit(across) : pith_perpendicular(tet.primary);
+        trust = pith_length(mean.gradient) * (lapped_homogeneous(type) ? 1.0 : tet.scale);
+    }
     tet.confidence = fmax(0.02, fmin(1.0, trust * trust));
     return tet;
 }
@@ -113,18 +139,20 @@ pith_status lapped_context_make(const pith_lapped_input *input, const pith_lappe
                                 lapped_context *context, pith_error *err)
 {
     memset(context, 0, sizeof *context);
+    const bool homogeneous = lapped_homogeneous(options->type);
     context->tets = pith_tets_look(input->tets);
-    context->depth = input->depth;
+    context->depth = homogeneous ? NULL : input->depth;
     context->options = options;
+    context->components = homogeneous ? 3 : 2;
     context->cos_limit = cos(options->angle_limit * M_PI / 180.0);
-    double median;
-    PITH_TRY(median_scale(input, context->tets.vertex_count, &median, err));
+    double median = 0.0;
+    if (!homogeneous) PITH_TRY(median_scale(input, context->tets.vertex_count, &median, err));
+    const double scale_range[2] = { options->scale_floor * median, options->scale_bound * median };
     context->frames = pith_alloc(context->tets.tet_count, sizeof *context->frames);
     if (!context->frames) return PITH_OUT_OF_MEMORY(err, "the frame field");
 #pragma omp parallel for num_threads(pith_threads()) schedule(static)
     for (uint32_t t = 0; t < context->tets.tet_count; ++t)
-        context->frames[t] = tet_frame(input, context->tets.tets[t], options->scale_floor * median,
-                                       options->scale_bound * median);
+        context->frames[t] = tet_frame(input, options->type, context->tets.tets[t], scale_range);
     return number_edges(context, err);
 }
 

@@ -1,15 +1,21 @@
 /* Lapped solids from the inside: what the files lapped_*.c share.
  *
- *  lapped_mask.c      the three splotch masks and bounds over boxes of texture space
+ *  lapped_options.c   the parameter table, what an input must hold for its type
+ *  lapped_mask.c      the splotch masks and bounds over boxes of texture space
  *  lapped_frames.c    what the fill precomputes per tet: frame, scale, confidence; the mesh's edges
  *  lapped_clump.c     growing a clump round a seed, with texture coordinates carried along
  *  lapped_optimise.c  texture optimisation: least squares over a clump by conjugate gradients
- *  lapped_fill.c      the loop: seeds, patches in parallel, coverage, the finished solid
+ *  lapped_coverage.c  which of a tet's 165 samples are covered
+ *  lapped_fill.c      the loop: seeds, patches in parallel, pasting, the finished solid
+ *  lapped_solid.c     a solid's life
+ *  lapped_measure.c   the report
+ *  lapped_paste.c     further exemplars pasted by hand on top
  *  lapped_sample.c    asking the solid
  *  lapped_store.c     patches as bytes
  *
- *  Texture space is (r, s, t): r and t are solved for (called u and v here), s is the depth. A patch's own coordinates
- *  have the splotch round (½, ·, ½); the exemplar is looked up at (u + offset[0], s, v + offset[1]), wrapped. */
+ *  Texture space is (r, s, t). What is solved for are r and t, and s too where s is not the depth (types 0): arrays of
+ *  texture coordinates hold, in this order, r, t and perhaps s: 2 or 3 components. A patch's own coordinates have the
+ *  splotch round (½, ·, ½) or (½, ½, ½); the exemplar is looked up at them plus the patch's offset, wrapped. */
 #ifndef PITH_LAPPED_INTERNAL_H
 #define PITH_LAPPED_INTERNAL_H
 
@@ -17,34 +23,39 @@
 
 /* ---- masks ------------------------------------------------------------------------------------------------------ */
 
-enum { MASK_SIZE = 48, MASK_BLOCK = 3, MASK_BLOCKS = MASK_SIZE / MASK_BLOCK, MASK_KINDS = 3 };
-enum { MASK_OUTER, MASK_MIDDLE, MASK_INNER };
+enum { MASK_SIZE = 48, MASK_BLOCK = 3, MASK_BLOCKS = MASK_SIZE / MASK_BLOCK };
+enum { MASK_OUTER, MASK_MIDDLE, MASK_INNER, MASK_KINDS };
 
-typedef struct lapped_masks {
-    /* [kind][t][s][r], cell-centred over [0,1]³; 255 is opaque. The cells at the border of r and t are 0. */
-    uint8_t alpha[MASK_KINDS][MASK_SIZE][MASK_SIZE][MASK_SIZE];
+typedef struct lapped_mask {
+    /* [t][s][r], cell-centred over [0,1]³; 255 is opaque. The cells at the border of r and t are 0, and those at the
+       border of s of a mask that is meant to end there. */
+    uint8_t alpha[MASK_SIZE][MASK_SIZE][MASK_SIZE];
     /* Least and greatest alpha any point of a block (3 cells wide) can get by trilinear lookup. */
-    uint8_t least[MASK_KINDS][MASK_BLOCKS][MASK_BLOCKS][MASK_BLOCKS];
-    uint8_t greatest[MASK_KINDS][MASK_BLOCKS][MASK_BLOCKS][MASK_BLOCKS];
-} lapped_masks;
+    uint8_t least[MASK_BLOCKS][MASK_BLOCKS][MASK_BLOCKS];
+    uint8_t greatest[MASK_BLOCKS][MASK_BLOCKS][MASK_BLOCKS];
+} lapped_mask;
 
-void lapped_masks_make(lapped_masks *masks, const pith_lapped_options *options);
+/* The three masks of a fill, for patches in the outer, middle and inner part; types 0 use the middle one alone. */
+void lapped_masks_make(lapped_mask masks[MASK_KINDS], const pith_lapped_options *options);
+/* A round splotch without unevenness; radius 0.5 and drop_off 0 make it the whole cube. */
+void lapped_mask_plain(lapped_mask *mask, double radius, double drop_off);
 /* Which mask a patch centred at this depth takes: a third of the range each. */
 int lapped_mask_kind(double depth);
-/* What a mask does over a box of texture coordinates: nothing for certain, something somewhere, opaque for certain. */
+/* What a mask does over a box of texture coordinates (r, s, t): nothing for certain, something somewhere, opaque for
+   certain. */
 typedef enum lapped_verdict { VERDICT_NONE, VERDICT_PART, VERDICT_OPAQUE } lapped_verdict;
-lapped_verdict lapped_mask_over(const lapped_masks *masks, int kind, const double low[3], const double high[3]);
+lapped_verdict lapped_mask_over(const lapped_mask *mask, const double low[3], const double high[3]);
 
 /* Trilinear alpha 0..1 at (r, s, t); 0 where r or t leave [0,1]; exactly 1 where all eight cells are opaque. Most points
    lie in a block that is all opaque or all empty: the small tables answer those, and stay in the nearest cache. */
-static inline float lapped_mask_alpha(const lapped_masks *masks, int kind, float r, float s, float t)
+static inline float lapped_mask_alpha(const lapped_mask *mask, float r, float s, float t)
 {
     if (!(r > 0.0f && r < 1.0f && t > 0.0f && t < 1.0f)) return 0.0f;
     s = s < 0.0f ? 0.0f : s > 1.0f ? 1.0f : s;
     const int bi = (int)(r * MASK_BLOCKS), bj = (int)(s * MASK_BLOCKS), bk = (int)(t * MASK_BLOCKS);
     const int row = bj < MASK_BLOCKS ? bj : MASK_BLOCKS - 1;
-    if (masks->least[kind][bk][row][bi] == 255) return 1.0f;
-    if (masks->greatest[kind][bk][row][bi] == 0) return 0.0f;
+    if (mask->least[bk][row][bi] == 255) return 1.0f;
+    if (mask->greatest[bk][row][bi] == 0) return 0.0f;
     const float top = MASK_SIZE - 1;
     float x = r * MASK_SIZE - 0.5f, y = s * MASK_SIZE - 0.5f, z = t * MASK_SIZE - 0.5f;
     x = x < 0.0f ? 0.0f : x > top ? top : x;
@@ -53,7 +64,7 @@ static inline float lapped_mask_alpha(const lapped_masks *masks, int kind, float
     int i = (int)x, j = (int)y, k = (int)z;
     i -= i == MASK_SIZE - 1, j -= j == MASK_SIZE - 1, k -= k == MASK_SIZE - 1;
     x -= (float)i, y -= (float)j, z -= (float)k;
-    const uint8_t *c = &masks->alpha[kind][k][j][i];
+    const uint8_t *c = &mask->alpha[k][j][i];
     enum { DS = MASK_SIZE, DT = MASK_SIZE * MASK_SIZE };
     const float a = (float)c[0] + x * (float)(c[1] - c[0]), b = (float)c[DS] + x * (float)(c[DS + 1] - c[DS]);
     const float d = (float)c[DT] + x * (float)(c[DT + 1] - c[DT]);
@@ -74,20 +85,24 @@ static inline float lapped_fade(float interpolated)
 /* ---- what the fill knows of every tet --------------------------------------------------------------------------- */
 
 typedef struct lapped_tet {
-    pith_vec3 primary;      /* unit, along growing depth */
-    pith_vec3 secondary;    /* unit, perpendicular (type 1-B) */
+    pith_vec3 primary;      /* unit, along growing depth; types 0-C, 1-A, 1-B */
+    pith_vec3 secondary;    /* unit; perpendicular to primary (0-C, 1-B), or the vector field (0-B) */
     double scale;           /* edge of the texture cube in model units */
-    double confidence;      /* 0..1: how well the depth gradient is determined here; weight in the optimisation */
+    double confidence;      /* 0..1: how well the frame is determined here; weight in the optimisation */
 } lapped_tet;
+
+/* Is s solved for (types 0), or is it the depth (types 1)? */
+static inline bool lapped_homogeneous(uint32_t type) { return type <= PITH_TYPE_0C; }
 
 typedef struct lapped_context {
     pith_tets_view tets;
-    const double *depth;        /* [vertex_count] */
+    const double *depth;        /* [vertex_count]; NULL for types 0 */
     const pith_lapped_options *options;
+    int components;             /* of texture coordinates that are solved for: 2, or 3 for types 0 */
     lapped_tet *frames;         /* [tet_count] */
     uint32_t (*tet_edges)[6];   /* [tet_count] edge numbers in the order 01 02 03 12 13 23 */
     uint32_t edge_count;
-    lapped_masks *masks;
+    const lapped_mask *masks;   /* [MASK_KINDS] */
     double cos_limit;           /* of the angle limit */
 } lapped_context;
 
@@ -103,12 +118,13 @@ typedef struct lapped_seed {
     uint32_t tet;
     float weights[4];       /* where in the tet the patch is centred */
     int mask;
-    pith_vec3 direction;    /* type 1-A: the patch's random vector */
-    float offset[2];        /* of the exemplar lookup along r and t */
+    pith_vec3 direction;    /* random, where the field leaves a freedom: types 0-A (the s axis), 0-B, 1-A */
+    pith_vec3 second;       /* type 0-A: the t axis */
+    float offset[3];        /* of the exemplar lookup along r, t and s */
 } lapped_seed;
 
-/* Frame of a tet as the patch sees it: secondary is the field's (1-B) or the patch's random vector made perpendicular
-   (1-A); tertiary = primary × secondary is the texture's r axis, primary s, secondary t. */
+/* Frame of a tet as the patch sees it, the texture's axes in space: s is the primary direction, t the secondary one or the
+   vector field; where a type has no field for an axis, the patch's random vector made perpendicular. r = s × t. */
 typedef struct lapped_axes { pith_vec3 r, s, t; } lapped_axes;
 
 typedef struct lapped_workspace {
@@ -123,7 +139,7 @@ typedef struct lapped_workspace {
     uint32_t (*corners)[4];
     size_t tet_count, tet_capacity, corner_capacity;
     uint32_t *vertices;     /* global number of each local vertex */
-    double (*uv)[2];        /* texture coordinates r and t */
+    double *uv;             /* [vertex_count][components] texture coordinates */
     uint8_t *fade;          /* 0 at vertices where the clump had to end inside the mask, else 1 */
     size_t vertex_count, vertices_capacity, uv_capacity, fade_capacity;
     size_t front;           /* tets before this one have been looked around */
@@ -135,7 +151,7 @@ typedef struct lapped_workspace {
     size_t edge_count, edges_capacity, weights_capacity;
     uint32_t *row_start, *columns;
     double *values, *diagonal;
-    double (*rhs)[2], (*residual)[2], (*direction)[2], (*product)[2];
+    double *rhs, *residual, *direction, *product; /* [vertex_count][components] */
     size_t row_capacity, column_capacity, value_capacity, diagonal_capacity;
     size_t rhs_capacity, residual_capacity, direction_capacity, product_capacity;
 
@@ -153,25 +169,62 @@ bool lapped_clump_start(const lapped_context *context, lapped_workspace *work);
 bool lapped_clump_grow(const lapped_context *context, lapped_workspace *work);
 /* Marks the vertices where the clump ended inside the mask. */
 void lapped_clump_fade(const lapped_context *context, lapped_workspace *work);
-/* Moves the texture coordinates to the least-squares optimum, the seed's centre staying at (½, ½). */
+/* Moves the texture coordinates to the least-squares optimum, the seed's centre staying in the middle. */
 bool lapped_clump_optimise(const lapped_context *context, lapped_workspace *work);
 /* The whole construction of one patch from work->seed: grow, optimise, re-grow. */
 bool lapped_patch_make(const lapped_context *context, lapped_workspace *work);
 
+/* Texture coordinates (r, s, t) of a local vertex. */
+static inline void lapped_rst(const lapped_context *context, const double *uv, uint32_t vertex, double rst[3])
+{
+    rst[0] = uv[0];
+    rst[1] = context->components == 3 ? uv[2] : context->depth[vertex];
+    rst[2] = uv[1];
+}
+
+/* ---- coverage --------------------------------------------------------------------------------------------------------- */
+
+/* Coverage is tested at 165 points a tet, the lattice of degree 8. */
+enum { LAPPED_SAMPLES = 165 };
+
+typedef struct lapped_coverage {
+    float weights[LAPPED_SAMPLES][4];   /* barycentric coordinates, nearest to the barycentre first */
+    uint8_t (*alpha)[LAPPED_SAMPLES];   /* [tet_count] alpha gathered so far, 255 is covered */
+    uint8_t *left;                      /* [tet_count] samples not yet covered */
+    uint32_t *open, *place;             /* uncovered tets in no particular order, and where each stands */
+    uint32_t open_count;
+} lapped_coverage;
+
+lapped_coverage *lapped_coverage_make(uint32_t tet_count);   /* NULL: no memory */
+void lapped_coverage_free(lapped_coverage *cover);
+/* The least covered sample of a tet, of equal ones that nearest to the barycentre. */
+int lapped_coverage_weakest(const lapped_coverage *cover, uint32_t tet);
+/* Counts one sample as covered for certain. */
+void lapped_coverage_force(lapped_coverage *cover, uint32_t tet, int sample);
+/* Takes the tet off the list when nothing of it is left open. */
+void lapped_coverage_close(lapped_coverage *cover, uint32_t tet);
+
 /* ---- the finished solid ------------------------------------------------------------------------------------------- */
 
 typedef struct lapped_entry {
-    float uv[4][2];         /* at the tet's corners, in the tet's order */
+    float uv[4][2];         /* r and t at the tet's corners, in the tet's order */
     uint32_t patch;
     uint8_t fade[4];        /* 0 or 1 */
 } lapped_entry;
 
 typedef struct lapped_patch {
-    float offset[2];
-    uint32_t mask;
+    float offset[3];        /* along r, t, s */
+    uint32_t mask;          /* of the solid's masks */
+    uint32_t exemplar;      /* of the solid's exemplars; above 0: pasted by hand, its own opacity counts */
     uint32_t seed_tet;
-    float direction[3];     /* type 1-A's random vector, else zeros */
+    float direction[3], second[3];  /* as in the seed */
 } lapped_patch;
+
+typedef struct lapped_exemplar {
+    uint32_t size[3], channels;     /* at least 4 channels */
+    bool wraps;                     /* along s too */
+    float *values;                  /* [t][s][r][channels] */
+} lapped_exemplar;
 
 typedef struct lapped_solid {
     pith_solid base;
@@ -179,21 +232,28 @@ typedef struct lapped_solid {
     pith_tets_view tets;
     pith_locator *locator;
     double reach;           /* points farther than this from the mesh are outside: rounding, no more */
-    double *depth;          /* [vertex_count] our copy */
-    lapped_masks *masks;
+    double *depth;          /* [vertex_count] our copy; NULL for types 0 */
     pith_lapped_options options;
-    uint32_t exemplar_size[3];
-    float *exemplar;        /* [t][s][r][channels], at least 4 channels */
+    lapped_mask *masks;     /* the fill's three, then one for each paste */
+    uint32_t mask_count;
+    lapped_exemplar *exemplars; /* the fill's, then one for each paste */
+    uint32_t exemplar_count;
     lapped_patch *patches;
     uint32_t patch_count;
     uint32_t *entry_start;  /* [tet_count + 1] */
     lapped_entry *entries;  /* topmost patch first within a tet */
+    float (*entry_s)[4];    /* beside each entry: s at the tet's corners; NULL when s is the depth everywhere */
 } lapped_solid;
 
 extern const pith_solid_class lapped_class;
-/* Everything but patches and entries: copies depth and exemplar, makes masks and locator. */
+void lapped_destroy(pith_solid *solid);
+/* Everything but patches and entries: copies depth (NULL for types 0) and exemplar, makes masks and locator. */
 pith_status lapped_solid_make(const pith_tets *tets, const double *depth, const pith_grid *exemplar,
                               const pith_lapped_options *options, lapped_solid **solid, pith_error *err);
+pith_status lapped_exemplar_make(const pith_grid *grid, bool wraps, lapped_exemplar *exemplar, pith_error *err);
 pith_status lapped_check_exemplar(const pith_grid *exemplar, pith_error *err);
+pith_status lapped_check_input(const pith_lapped_input *input, const pith_lapped_options *options, pith_error *err);
+/* The report of a finished fill, but for seconds, clump and regrown. */
+void lapped_measure(const lapped_context *context, const lapped_solid *solid, pith_lapped_report *report);
 
 #endif

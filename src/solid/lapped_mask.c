@@ -41,64 +41,89 @@ static void make_waves(mask_waves *waves, int kind, uint64_t seed)
     }
 }
 
-/* Alpha of one mask in the cell (i, j, k) of (r, s, t): 1 in the middle, falling over drop_off where the distance from
-   the middle, measured in the 4-norm (between a ball and a box: fewer patches for the same overlap), reaches the uneven
-   radius. Unevenness only pulls the outline in, so that mask_radius stays the outermost extent. */
+/* The soft edge: 1 inside, 0 at `radius` from the middle, over drop_off. Distances are measured in the 4-norm, between a
+   ball and a box: fewer patches for the same overlap. */
+static double soft_edge(const double offset[3], double radius, double drop_off)
+{
+    double fourth = 0.0;
+    for (int axis = 0; axis < 3; ++axis) fourth += offset[axis] * offset[axis] * offset[axis] * offset[axis];
+    const double inside = radius - sqrt(sqrt(fourth));
+    const double unit = drop_off > 0.0 ? fmax(0.0, fmin(1.0, inside / drop_off)) : inside > 0.0;
+    return unit * unit * (3.0 - 2.0 * unit);
+}
+
+/* Alpha of one mask in the cell (i, j, k) of (r, s, t): the soft edge of an uneven radius. Unevenness only pulls the
+   outline in, so that mask_radius stays the outermost extent. */
 static double splotch(const mask_waves *waves, int kind, const int cell[3], const pith_lapped_options *options)
 {
-    double fourth = 0.0, sum = 0.0;
-    for (int axis = 0; axis < 3; ++axis) {
-        const double q = cell_offset(kind, axis, cell[axis]);
-        fourth += q * q * q * q;
-    }
+    double offset[3], sum = 0.0;
+    for (int axis = 0; axis < 3; ++axis) offset[axis] = cell_offset(kind, axis, cell[axis]);
     for (int w = 0; w < WAVES; ++w)
         sum += cimag(waves->start[w] * waves->along[w][0][cell[0]] * waves->along[w][1][cell[1]] *
                      waves->along[w][2][cell[2]]);
     const double uneven = 0.5 + 0.5 * fmax(-1.0, fmin(1.0, sum / 3.0));
-    const double radius = options->mask_radius * (1.0 - options->roughness * uneven);
-    const double unit = fmax(0.0, fmin(1.0, (radius - sqrt(sqrt(fourth))) / options->drop_off));
-    return unit * unit * (3.0 - 2.0 * unit);
+    return soft_edge(offset, options->mask_radius * (1.0 - options->roughness * uneven), options->drop_off);
 }
 
 /* Extremes over the cells that trilinear lookups inside block (bi, bj, bk) can touch. */
-static void block_extremes(lapped_masks *masks, int kind, int bi, int bj, int bk)
+static void block_extremes(lapped_mask *mask, int bi, int bj, int bk)
 {
     uint8_t least = 255, greatest = 0;
     for (int k = bk * MASK_BLOCK - 1; k <= (bk + 1) * MASK_BLOCK; ++k)
         for (int j = bj * MASK_BLOCK - 1; j <= (bj + 1) * MASK_BLOCK; ++j)
             for (int i = bi * MASK_BLOCK - 1; i <= (bi + 1) * MASK_BLOCK; ++i) {
                 if (k < 0 || j < 0 || i < 0 || k >= MASK_SIZE || j >= MASK_SIZE || i >= MASK_SIZE) continue;
-                const uint8_t a = masks->alpha[kind][k][j][i];
+                const uint8_t a = mask->alpha[k][j][i];
                 if (a < least) least = a;
                 if (a > greatest) greatest = a;
             }
-    masks->least[kind][bk][bj][bi] = least;
-    masks->greatest[kind][bk][bj][bi] = greatest;
+    mask->least[bk][bj][bi] = least;
+    mask->greatest[bk][bj][bi] = greatest;
 }
 
-static void mask_make(lapped_masks *masks, int kind, const pith_lapped_options *options)
+static void all_extremes(lapped_mask *mask)
+{
+    for (int bk = 0; bk < MASK_BLOCKS; ++bk)
+        for (int bj = 0; bj < MASK_BLOCKS; ++bj)
+            for (int bi = 0; bi < MASK_BLOCKS; ++bi) block_extremes(mask, bi, bj, bk);
+}
+
+static void mask_make(lapped_mask *mask, int kind, const pith_lapped_options *options)
 {
     mask_waves waves;
     make_waves(&waves, kind, options->seed);
-    for (int k = 1; k < MASK_SIZE - 1; ++k) /* the border in r and t stays 0: nothing ends at the texture's edge */
-        for (int j = 0; j < MASK_SIZE; ++j)
+    /* The border in r and t stays 0, and in s where the mask ends there: nothing ends at the texture's edge. */
+    const int ends = kind == MASK_MIDDLE && lapped_homogeneous(options->type);
+    for (int k = 1; k < MASK_SIZE - 1; ++k)
+        for (int j = ends; j < MASK_SIZE - ends; ++j)
             for (int i = 1; i < MASK_SIZE - 1; ++i) {
                 const double alpha = splotch(&waves, kind, (const int[3]){ i, j, k }, options);
-                masks->alpha[kind][k][j][i] = (uint8_t)(255.0 * alpha + 0.5);
+                mask->alpha[k][j][i] = (uint8_t)(255.0 * alpha + 0.5);
             }
-    for (int bk = 0; bk < MASK_BLOCKS; ++bk)
-        for (int bj = 0; bj < MASK_BLOCKS; ++bj)
-            for (int bi = 0; bi < MASK_BLOCKS; ++bi) block_extremes(masks, kind, bi, bj, bk);
+    all_extremes(mask);
 }
 
-void lapped_masks_make(lapped_masks *masks, const pith_lapped_options *options)
+void lapped_masks_make(lapped_mask masks[MASK_KINDS], const pith_lapped_options *options)
 {
-    memset(masks, 0, sizeof *masks);
+    memset(masks, 0, MASK_KINDS * sizeof *masks);
 #pragma omp parallel for num_threads(pith_threads()) schedule(dynamic, 1)
-    for (int kind = 0; kind < MASK_KINDS; ++kind) mask_make(masks, kind, options);
+    for (int kind = 0; kind < MASK_KINDS; ++kind) mask_make(&masks[kind], kind, options);
 }
 
-lapped_verdict lapped_mask_over(const lapped_masks *masks, int kind, const double low[3], const double high[3])
+void lapped_mask_plain(lapped_mask *mask, double radius, double drop_off)
+{
+    const bool cube = radius >= 0.5 && drop_off == 0.0;
+    for (int k = 0; k < MASK_SIZE; ++k)
+        for (int j = 0; j < MASK_SIZE; ++j)
+            for (int i = 0; i < MASK_SIZE; ++i) {
+                const double offset[3] = { cell_offset(MASK_MIDDLE, 0, i), cell_offset(MASK_MIDDLE, 1, j),
+                                           cell_offset(MASK_MIDDLE, 2, k) };
+                mask->alpha[k][j][i] = cube ? 255 : (uint8_t)(255.0 * soft_edge(offset, radius, drop_off) + 0.5);
+            }
+    all_extremes(mask);
+}
+
+lapped_verdict lapped_mask_over(const lapped_mask *mask, const double low[3], const double high[3])
 {
     if (!(high[0] > 0.0 && low[0] < 1.0 && high[2] > 0.0 && low[2] < 1.0)) return VERDICT_NONE;
     int from[3], to[3];
@@ -112,8 +137,8 @@ lapped_verdict lapped_mask_over(const lapped_masks *masks, int kind, const doubl
     for (int k = from[2]; k <= to[2]; ++k)
         for (int j = from[1]; j <= to[1]; ++j)
             for (int i = from[0]; i <= to[0]; ++i) {
-                whole = whole && masks->least[kind][k][j][i] == 255;
-                some = some || masks->greatest[kind][k][j][i] > 0;
+                whole = whole && mask->least[k][j][i] == 255;
+                some = some || mask->greatest[k][j][i] > 0;
                 if (some && !whole) return VERDICT_PART;
             }
     return whole ? VERDICT_OPAQUE : VERDICT_NONE;

@@ -9,65 +9,100 @@
 
 typedef float v4 __attribute__((vector_size(16), aligned(4), may_alias));
 
-/* Corner indices and weights of a trilinear lookup in the exemplar: r and t wrap, s is clamped. */
+/* A place in a patch's own texture coordinates. */
+typedef struct spot { float r, s, t; } spot;
+
+/* Corner indices and weights of a trilinear lookup in an exemplar. */
 typedef struct cell { size_t base[4]; uint32_t left, right; float x, y, z; } cell;
 
-static cell exemplar_cell(const lapped_solid *self, float r, float s, float t)
+/* One coordinate that wraps: the lower voxel, the next one, and how far between them. */
+static inline uint32_t wrapped(float at, uint32_t size, uint32_t *next, float *fraction)
 {
-    const uint32_t nr = self->exemplar_size[0], ns = self->exemplar_size[1], nt = self->exemplar_size[2];
-    r -= floorf(r), t -= floorf(t);
-    float x = r * (float)nr - 0.5f, y = s * (float)ns - 0.5f, z = t * (float)nt - 0.5f;
-    const float top = (float)(ns - 1);
-    y = y < 0.0f ? 0.0f : y > top ? top : y;
-    x += x < 0.0f ? (float)nr : 0.0f;
-    z += z < 0.0f ? (float)nt : 0.0f;
-    uint32_t i = (uint32_t)x, j = (uint32_t)y, k = (uint32_t)z;
-    cell at = { .x = x - (float)i, .y = y - (float)j, .z = z - (float)k };
-    if (i >= nr) i = 0;
-    if (k >= nt) k = 0;
-    const uint32_t i1 = i + 1 == nr ? 0 : i + 1, j1 = j + 1 < ns ? j + 1 : j, k1 = k + 1 == nt ? 0 : k + 1;
-    at.left = i, at.right = i1;
-    at.base[0] = ((size_t)k * ns + j) * nr, at.base[1] = ((size_t)k * ns + j1) * nr;
-    at.base[2] = ((size_t)k1 * ns + j) * nr, at.base[3] = ((size_t)k1 * ns + j1) * nr;
-    return at;
+    at -= floorf(at);
+    float x = at * (float)size - 0.5f;
+    x += x < 0.0f ? (float)size : 0.0f;
+    uint32_t i = (uint32_t)x;
+    *fraction = x - (float)i;
+    if (i >= size) i = 0;
+    *next = i + 1 == size ? 0 : i + 1;
+    return i;
 }
 
-/* sum += factor * exemplar, all channels; lerps as a + x (b - a), so that constants stay exactly constant. */
-static void exemplar_add(const lapped_solid *self, const cell *at, float factor, float *sum)
+static inline uint32_t clamped(float at, uint32_t size, uint32_t *next, float *fraction)
 {
-    const uint32_t channels = self->base.channels;
-    const float *values = self->exemplar;
+    const float top = (float)(size - 1);
+    float x = at * (float)size - 0.5f;
+    x = x < 0.0f ? 0.0f : x > top ? top : x;
+    const uint32_t i = (uint32_t)x;
+    *fraction = x - (float)i;
+    *next = i + 1 < size ? i + 1 : i;
+    return i;
+}
+
+/* Where a patch looks its exemplar up: r and t wrap, s is clamped unless the exemplar wraps there too. */
+static cell exemplar_cell(const lapped_exemplar *exemplar, const lapped_patch *patch, spot at)
+{
+    const uint32_t nr = exemplar->size[0], ns = exemplar->size[1], nt = exemplar->size[2];
+    cell found;
+    uint32_t j1, k1;
+    const uint32_t j = exemplar->wraps ? wrapped(at.s + patch->offset[2], ns, &j1, &found.y)
+                                       : clamped(at.s, ns, &j1, &found.y);
+    const uint32_t k = wrapped(at.t + patch->offset[1], nt, &k1, &found.z);
+    found.left = wrapped(at.r + patch->offset[0], nr, &found.right, &found.x);
+    found.base[0] = ((size_t)k * ns + j) * nr, found.base[1] = ((size_t)k * ns + j1) * nr;
+    found.base[2] = ((size_t)k1 * ns + j) * nr, found.base[3] = ((size_t)k1 * ns + j1) * nr;
+    return found;
+}
+
+/* The first four channels; lerps as a + x (b - a), so that constants stay exactly constant. */
+static inline v4 exemplar_colour(const lapped_exemplar *exemplar, const cell *at)
+{
+    const uint32_t channels = exemplar->channels;
     v4 rows[4];
     for (int k = 0; k < 4; ++k) {
-        const v4 a = *(const v4 *)(values + (at->base[k] + at->left) * channels);
-        const v4 b = *(const v4 *)(values + (at->base[k] + at->right) * channels);
+        const v4 a = *(const v4 *)(exemplar->values + (at->base[k] + at->left) * channels);
+        const v4 b = *(const v4 *)(exemplar->values + (at->base[k] + at->right) * channels);
         rows[k] = a + at->x * (b - a);
     }
     const v4 near = rows[0] + at->y * (rows[1] - rows[0]), far = rows[2] + at->y * (rows[3] - rows[2]);
-    *(v4 *)sum += factor * (near + at->z * (far - near));
-    for (uint32_t c = 4; c < channels; ++c) {
-        float row[4];
-        for (int k = 0; k < 4; ++k) {
-            const float a = values[(at->base[k] + at->left) * channels + c];
-            const float b = values[(at->base[k] + at->right) * channels + c];
-            row[k] = a + at->x * (b - a);
-        }
-        const float n = row[0] + at->y * (row[1] - row[0]), f = row[2] + at->y * (row[3] - row[2]);
-        sum[c] += factor * (n + at->z * (f - n));
-    }
+    return near + at->z * (far - near);
 }
 
-static inline void entry_at(const lapped_entry *entry, const float w[4], float uv[2])
+static float exemplar_channel(const lapped_exemplar *exemplar, const cell *at, uint32_t channel)
 {
-    for (int c = 0; c < 2; ++c)
-        uv[c] = w[0] * entry->uv[0][c] + w[1] * entry->uv[1][c] + w[2] * entry->uv[2][c] + w[3] * entry->uv[3][c];
+    const uint32_t channels = exemplar->channels;
+    const float *values = exemplar->values + channel;
+    float row[4];
+    for (int k = 0; k < 4; ++k) {
+        const float a = values[(at->base[k] + at->left) * channels], b = values[(at->base[k] + at->right) * channels];
+        row[k] = a + at->x * (b - a);
+    }
+    const float near = row[0] + at->y * (row[1] - row[0]), far = row[2] + at->y * (row[3] - row[2]);
+    return near + at->z * (far - near);
+}
+
+/* ---- one patch at one point ------------------------------------------------------------------------------------------- */
+
+static inline float mix(const float w[4], const float v[4]) { return w[0] * v[0] + w[1] * v[1] + w[2] * v[2] + w[3] * v[3]; }
+
+/* Texture coordinates of an entry; depth: the depth field there, which is s where entries have none of their own. */
+static inline spot entry_spot(const lapped_solid *self, uint32_t index, const float w[4], float depth)
+{
+    const lapped_entry *entry = &self->entries[index];
+    spot at;
+    at.r = w[0] * entry->uv[0][0] + w[1] * entry->uv[1][0] + w[2] * entry->uv[2][0] + w[3] * entry->uv[3][0];
+    at.t = w[0] * entry->uv[0][1] + w[1] * entry->uv[1][1] + w[2] * entry->uv[2][1] + w[3] * entry->uv[3][1];
+    at.s = self->entry_s ? mix(w, self->entry_s[index]) : depth;
+    return at;
 }
 
 /* Alpha of an entry at a point: its mask, faded where the clump had to end inside the mask. */
-static inline float entry_alpha(const lapped_solid *self, const lapped_entry *entry, const float w[4], float s,
-                                const float uv[2])
+static inline float entry_alpha(const lapped_solid *self, uint32_t index, const float w[4], spot at)
 {
-    const float alpha = lapped_mask_alpha(self->masks, (int)self->patches[entry->patch].mask, uv[0], s, uv[1]);
+    const lapped_entry *entry = &self->entries[index];
+    const lapped_patch *patch = &self->patches[entry->patch];
+    if (patch->exemplar > 0 && !(at.s > 0.0f && at.s < 1.0f)) return 0.0f; /* a pasted cube ends along s too */
+    const float alpha = lapped_mask_alpha(&self->masks[patch->mask], at.r, at.s, at.t);
     static const uint8_t whole[4] = { 1, 1, 1, 1 };
     if (alpha == 0.0f || memcmp(entry->fade, whole, 4) == 0) return alpha;
     return alpha * lapped_fade(w[0] * (float)entry->fade[0] + w[1] * (float)entry->fade[1] +
@@ -76,6 +111,7 @@ static inline float entry_alpha(const lapped_solid *self, const lapped_entry *en
 
 static float depth_at(const lapped_solid *self, uint32_t tet, const double weights[4])
 {
+    if (!self->depth) return 0.0f;
     const uint32_t *corners = self->tets.tets[tet];
     double s = 0.0;
     for (int k = 0; k < 4; ++k) s += weights[k] * self->depth[corners[k]];
@@ -83,51 +119,80 @@ static float depth_at(const lapped_solid *self, uint32_t tet, const double weigh
 }
 
 /* The entry whose splotch the point is nearest to; for the rare point between the samples of the coverage test that no
-   mask reaches. Every tet has at least one entry. */
-static const lapped_entry *nearest_entry(const lapped_entry *entry, const lapped_entry *end, const float w[4])
+   mask reaches. Every tet has at least one entry that is not pasted. */
+static uint32_t nearest_entry(const lapped_solid *self, uint32_t tet, const float w[4], float depth)
 {
-    const lapped_entry *best = entry;
+    uint32_t best = PITH_NONE;
     float least = INFINITY;
-    for (; entry < end; ++entry) {
-        float uv[2];
-        entry_at(entry, w, uv);
-        const float distance = fmaxf(fabsf(uv[0] - 0.5f), fabsf(uv[1] - 0.5f));
-        if (distance < least) least = distance, best = entry;
+    for (uint32_t e = self->entry_start[tet]; e < self->entry_start[tet + 1]; ++e) {
+        if (self->patches[self->entries[e].patch].exemplar > 0) continue;
+        const spot at = entry_spot(self, e, w, depth);
+        float distance = fmaxf(fabsf(at.r - 0.5f), fabsf(at.t - 0.5f));
+        if (!self->depth) distance = fmaxf(distance, fabsf(at.s - 0.5f));
+        if (!(distance >= least)) least = distance, best = e;
     }
     return best;
 }
 
+/* ---- all patches at one point ------------------------------------------------------------------------------------------ */
+
+/* What has been gathered from the top down. Channels beyond the fourth have a weight of their own, because a pasted
+   exemplar may lack them. */
+typedef struct gathered { float through, weight, extra_weight; } gathered;
+
+/* Lays one entry under what has been gathered. */
+static inline void gather(const lapped_solid *self, uint32_t index, spot at, float alpha, gathered *sum, float *out)
+{
+    const lapped_patch *patch = &self->patches[self->entries[index].patch];
+    const lapped_exemplar *exemplar = &self->exemplars[patch->exemplar];
+    const cell found = exemplar_cell(exemplar, patch, at);
+    v4 colour = exemplar_colour(exemplar, &found);
+    if (patch->exemplar > 0) { /* where it is, it is as solid as itself: its opacity is its shape */
+        alpha *= colour[3];
+        if (!(alpha > 0.0f)) return;
+        colour[3] = 1.0f;
+    }
+    const float factor = alpha * sum->through;
+    *(v4 *)out += factor * colour;
+    sum->weight += factor;
+    if (self->base.channels > 4 && exemplar->channels >= self->base.channels) {
+        for (uint32_t c = 4; c < self->base.channels; ++c) out[c] += factor * exemplar_channel(exemplar, &found, c);
+        sum->extra_weight += factor;
+    }
+    sum->through -= factor; /* exactly 0 after an opaque patch: through * 1 is taken off */
+}
+
+/* The channels beyond the fourth where pasted exemplars without them hide everything: those of the fill below. */
+static void extras_below(const lapped_solid *self, uint32_t tet, const float w[4], float depth, float *out)
+{
+    const uint32_t entry = nearest_entry(self, tet, w, depth);
+    const lapped_patch *patch = &self->patches[self->entries[entry].patch];
+    const cell found = exemplar_cell(&self->exemplars[0], patch, entry_spot(self, entry, w, depth));
+    for (uint32_t c = 4; c < self->base.channels; ++c) out[c] = exemplar_channel(&self->exemplars[0], &found, c);
+}
+
 static void compose(const lapped_solid *self, uint32_t tet, const double weights[4], float *out)
 {
-    const uint32_t channels = self->base.channels;
-    const lapped_entry *begin = self->entries + self->entry_start[tet], *end = self->entries + self->entry_start[tet + 1];
+    const uint32_t channels = self->base.channels, begin = self->entry_start[tet], end = self->entry_start[tet + 1];
     const float w[4] = { (float)weights[0], (float)weights[1], (float)weights[2], (float)weights[3] };
-    const float s = depth_at(self, tet, weights);
-    float through = 1.0f, weight = 0.0f;
+    const float depth = depth_at(self, tet, weights);
+    gathered sum = { 1.0f, 0.0f, 0.0f };
     memset(out, 0, channels * sizeof *out);
-    for (const lapped_entry *entry = begin; entry < end && through > 0.0f; ++entry) {
-        float uv[2];
-        entry_at(entry, w, uv);
-        const float alpha = entry_alpha(self, entry, w, s, uv);
-        if (!(alpha > 0.0f)) continue;
-        const float *offset = self->patches[entry->patch].offset;
-        const cell at = exemplar_cell(self, uv[0] + offset[0], s, uv[1] + offset[1]);
-        const float factor = alpha * through;
-        exemplar_add(self, &at, factor, out);
-        weight += factor;
-        through -= factor; /* exactly 0 after an opaque patch: through * 1 is taken off */
+    for (uint32_t e = begin; e < end && sum.through > 0.0f; ++e) {
+        const spot at = entry_spot(self, e, w, depth);
+        const float alpha = entry_alpha(self, e, w, at);
+        if (alpha > 0.0f) gather(self, e, at, alpha, &sum, out);
     }
-    if (!(weight > 0.0f)) {
-        const lapped_entry *entry = nearest_entry(begin, end, w);
-        float uv[2];
-        entry_at(entry, w, uv);
-        const float *offset = self->patches[entry->patch].offset;
-        const cell at = exemplar_cell(self, uv[0] + offset[0], s, uv[1] + offset[1]);
-        exemplar_add(self, &at, 1.0f, out);
-        weight = 1.0f;
+    if (!(sum.weight > 0.0f)) {
+        const uint32_t e = nearest_entry(self, tet, w, depth);
+        gather(self, e, entry_spot(self, e, w, depth), 1.0f, &sum, out);
     }
-    if (weight != 1.0f)
-        for (uint32_t c = 0; c < channels; ++c) out[c] /= weight;
+    if (sum.weight != 1.0f)
+        for (uint32_t c = 0; c < 4; ++c) out[c] /= sum.weight;
+    if (channels == 4) return;
+    if (!(sum.extra_weight > 0.0f)) extras_below(self, tet, w, depth, out);
+    else if (sum.extra_weight != 1.0f)
+        for (uint32_t c = 4; c < channels; ++c) out[c] /= sum.extra_weight;
 }
 
 /* Finds the points of a block in the mesh; PITH_NONE for those outside by more than rounding. */
@@ -162,20 +227,24 @@ static void lapped_sample(const pith_solid *solid, const pith_query *query, floa
     }
 }
 
-static void lapped_destroy(pith_solid *solid)
-{
-    lapped_solid *self = (lapped_solid *)solid;
-    pith_locator_destroy(self->locator);
-    pith_free(self->depth);
-    pith_free(self->masks);
-    pith_free(self->exemplar);
-    pith_free(self->patches);
-    pith_free(self->entry_start);
-    pith_free(self->entries);
-    pith_free(self);
-}
-
 const pith_solid_class lapped_class = { "lapped", lapped_sample, lapped_destroy };
+
+/* ---- texture coordinates -------------------------------------------------------------------------------------------------- */
+
+/* The topmost entry that shows at a point. */
+static uint32_t topmost(const lapped_solid *self, uint32_t tet, const float w[4], float depth)
+{
+    for (uint32_t e = self->entry_start[tet]; e < self->entry_start[tet + 1]; ++e) {
+        const spot at = entry_spot(self, e, w, depth);
+        if (!(entry_alpha(self, e, w, at) > 0.0f)) continue;
+        const lapped_patch *patch = &self->patches[self->entries[e].patch];
+        if (patch->exemplar == 0) return e;
+        const lapped_exemplar *exemplar = &self->exemplars[patch->exemplar];
+        const cell found = exemplar_cell(exemplar, patch, at);
+        if (exemplar_channel(exemplar, &found, 3) > 0.0f) return e;
+    }
+    return nearest_entry(self, tet, w, depth);
+}
 
 pith_status pith_lapped_texture(const pith_solid *solid, const pith_query *query, double (*rst)[3], uint32_t *patch,
                                 pith_error *err)
@@ -196,22 +265,14 @@ pith_status pith_lapped_texture(const pith_solid *solid, const pith_query *query
         for (size_t i = 0; i < block.count; ++i) {
             patch[first + i] = PITH_NONE;
             if (tets[i] == PITH_NONE) continue;
-            const lapped_entry *entry = self->entries + self->entry_start[tets[i]];
-            const lapped_entry *end = self->entries + self->entry_start[tets[i] + 1];
             const float w[4] = { (float)weights[i][0], (float)weights[i][1], (float)weights[i][2], (float)weights[i][3] };
-            double s = 0.0;
-            for (int k = 0; k < 4; ++k) s += weights[i][k] * self->depth[self->tets.tets[tets[i]][k]];
-            const lapped_entry *top = NULL;
-            for (; entry < end && !top; ++entry) {
-                float uv[2];
-                entry_at(entry, w, uv);
-                if (entry_alpha(self, entry, w, (float)s, uv) > 0.0f) top = entry;
-            }
-            if (!top) top = nearest_entry(self->entries + self->entry_start[tets[i]], end, w);
-            float uv[2];
-            entry_at(top, w, uv);
-            rst[first + i][0] = (double)uv[0], rst[first + i][1] = s, rst[first + i][2] = (double)uv[1];
-            patch[first + i] = top->patch;
+            double s = 0.0; /* the depth in double, as the field has it */
+            for (int k = 0; k < 4 && self->depth; ++k) s += weights[i][k] * self->depth[self->tets.tets[tets[i]][k]];
+            const uint32_t top = topmost(self, tets[i], w, (float)s);
+            const spot at = entry_spot(self, top, w, (float)s);
+            rst[first + i][0] = (double)at.r, rst[first + i][1] = self->entry_s ? (double)at.s : s;
+            rst[first + i][2] = (double)at.t;
+            patch[first + i] = self->entries[top].patch;
         }
     }
     return PITH_OK;

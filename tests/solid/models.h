@@ -134,7 +134,8 @@ static inline pith_grid *exemplar_of(uint32_t size, void (*colour)(double r, dou
 
 static inline pith_lapped_input model_input(const model *m, const pith_grid *exemplar)
 {
-    return (pith_lapped_input){ m->tets, exemplar, m->depth, m->gradient, m->secondary };
+    return (pith_lapped_input){ .tets = m->tets, .exemplar = exemplar, .depth = m->depth, .gradient = m->gradient,
+                                .direction = m->secondary };
 }
 
 /* A random point of a random tet, with where it is; weights uniform over the tet (Rocchini and Cignoni 2000). */

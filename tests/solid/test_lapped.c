@@ -123,7 +123,7 @@ static void test_every_sample_of_the_lattice_is_covered(void **state)
                             fade += w[k] * entry->fade[k];
                         }
                         sum += (double)(lapped_fade((float)fade) *
-                                        lapped_mask_alpha(self->masks, (int)self->patches[entry->patch].mask, (float)r,
+                                        lapped_mask_alpha(&self->masks[self->patches[entry->patch].mask], (float)r,
                                                           (float)s, (float)v));
                     }
                     CHECK_AT_LEAST(sum, 0.995);
@@ -136,30 +136,30 @@ static void test_every_sample_of_the_lattice_is_covered(void **state)
 static void test_masks_are_opaque_where_patches_are_centred(void **state)
 {
     (void)state;
-    static lapped_masks masks;
+    static lapped_mask masks[MASK_KINDS];
     pith_lapped_options options = pith_lapped_options_default();
     for (int corner = 0; corner < 3; ++corner) {
         /* The default, the smallest splotch the check lets through, the largest. */
         if (corner == 1) options.mask_radius = 0.3, options.roughness = 0.0, options.drop_off = 0.12;
         if (corner == 2) options.mask_radius = 0.49, options.roughness = 0.4, options.drop_off = 0.1;
-        lapped_masks_make(&masks, &options);
+        lapped_masks_make(masks, &options);
         for (int i = 0; i <= 1000; ++i) {
             const double s = i / 1000.0;
-            CHECK_NEAR((double)lapped_mask_alpha(&masks, lapped_mask_kind(s), 0.5f, (float)s, 0.5f), 1.0, 0.0);
+            CHECK_NEAR((double)lapped_mask_alpha(&masks[lapped_mask_kind(s)], 0.5f, (float)s, 0.5f), 1.0, 0.0);
         }
         /* Skin and core: opaque to the very end, and nothing is left at the border of the texture. */
-        CHECK_NEAR((double)lapped_mask_alpha(&masks, MASK_OUTER, 0.5f, 0.0f, 0.5f), 1.0, 0.0);
-        CHECK_NEAR((double)lapped_mask_alpha(&masks, MASK_INNER, 0.5f, 1.0f, 0.5f), 1.0, 0.0);
-        CHECK_NEAR((double)lapped_mask_alpha(&masks, MASK_MIDDLE, 0.002f, 0.5f, 0.5f), 0.0, 0.0);
+        CHECK_NEAR((double)lapped_mask_alpha(&masks[MASK_OUTER], 0.5f, 0.0f, 0.5f), 1.0, 0.0);
+        CHECK_NEAR((double)lapped_mask_alpha(&masks[MASK_INNER], 0.5f, 1.0f, 0.5f), 1.0, 0.0);
+        CHECK_NEAR((double)lapped_mask_alpha(&masks[MASK_MIDDLE], 0.002f, 0.5f, 0.5f), 0.0, 0.0);
     }
 }
 
 static void test_verdicts_over_boxes_hold_at_their_points(void **state)
 {
     (void)state;
-    static lapped_masks masks;
+    static lapped_mask masks[MASK_KINDS];
     const pith_lapped_options options = pith_lapped_options_default();
-    lapped_masks_make(&masks, &options);
+    lapped_masks_make(masks, &options);
     int seen[3] = { 0 };
     pith_rng rng = pith_rng_make(3, 9);
     for (int i = 0; i < 20000; ++i) {
@@ -170,8 +170,8 @@ static void test_verdicts_over_boxes_hold_at_their_points(void **state)
             at[k] = low[k] + (high[k] - low[k]) * pith_rng_unit(&rng);
         }
         const int kind = (int)pith_rng_below(&rng, MASK_KINDS);
-        const lapped_verdict verdict = lapped_mask_over(&masks, kind, low, high);
-        const double alpha = (double)lapped_mask_alpha(&masks, kind, (float)at[0], (float)at[1], (float)at[2]);
+        const lapped_verdict verdict = lapped_mask_over(&masks[kind], low, high);
+        const double alpha = (double)lapped_mask_alpha(&masks[kind], (float)at[0], (float)at[1], (float)at[2]);
         if (verdict == VERDICT_NONE) CHECK_NEAR(alpha, 0.0, 0.0);
         if (verdict == VERDICT_OPAQUE) CHECK_NEAR(alpha, 1.0, 0.0);
         ++seen[verdict];
