@@ -15,6 +15,18 @@ void render_pair(uint64_t pixel_seed, uint32_t index, uint32_t count, render_use
 void render_disc(const double pair[2], double *x, double *y);
 pith_vec3 render_cosine(const double pair[2], pith_vec3 normal);
 
+/* ---- the camera ------------------------------------------------------------------------------------------------- */
+
+typedef struct render_view {
+    pith_vec3 eye, forward, right, up;  /* right and up already span one pixel at distance 1 */
+    pith_vec3 sky;                      /* unit, the camera's up: away from the floor */
+    pith_vec3 light;                    /* unit, towards the light's middle */
+} render_view;
+
+/* light: azimuth and elevation, degrees. PITH_BAD_ARGUMENT: a camera that looks nowhere. */
+pith_status render_view_make(render_view *view, const pith_camera *camera, uint32_t height, const double light[2],
+                             pith_error *err);
+
 /* ---- the scene -------------------------------------------------------------------------------------------------- */
 
 typedef struct render_scene {
@@ -22,22 +34,23 @@ typedef struct render_scene {
     size_t item_count;
     const pith_render_options *options;
 
-    /* All shells as one mesh, each where it stands, so that one tracer serves all. */
+    /* All shells and meshes as one mesh, each where it stands, so that one tracer serves all. */
     pith_tracer *tracer;
     pith_vec3 *positions, *material;    /* [vertex_count] */
+    float (*colours)[4];                /* [vertex_count] of plain meshes; NULL when there are none */
     uint32_t (*triangles)[3];           /* [triangle_count] */
     pith_vec3 (*normals)[3];            /* [triangle_count] at the corners */
     double (*weights)[3][4];            /* [triangle_count] of the corners in the source tet */
     uint32_t *source_tet, *item_of;     /* [triangle_count] */
     uint8_t *kinds;                     /* [triangle_count] pith_face_kind */
     uint32_t vertex_count, triangle_count, channels; /* channels: the most any solid has */
+    bool has_colours;                   /* an item is a plain mesh */
 
     pith_vec3 centre;                   /* of a sphere round everything */
     double radius, offset;              /* offset: how far rays start off the surface they leave */
 
-    pith_vec3 eye, forward, right, up;  /* camera frame; right and up already span one pixel at distance 1 */
-    pith_vec3 sky;                      /* unit, away from the floor */
-    pith_vec3 light, light_x, light_y;  /* towards the light's middle; to its rim along two axes */
+    render_view view;
+    pith_vec3 light_x, light_y;         /* from the light's middle to its rim along two axes */
     bool has_floor;
     pith_vec3 floor_point;
     double background[3];               /* linear */

@@ -1,4 +1,4 @@
-/* Options, camera, and the scene made ready for rays. */
+/* Options, and the scene made ready for rays. */
 #include "render_internal.h"
 
 #include <string.h>
@@ -47,85 +47,44 @@ pith_render_options pith_render_options_default(void)
     return options;
 }
 
-/* ---- camera ----------------------------------------------------------------------------------------------------- */
-
-/* Unit axes of a camera that looks along `forward`; up is bent where it must be. */
-static void camera_axes(pith_vec3 forward, pith_vec3 up, pith_vec3 *right, pith_vec3 *above)
-{
-    pith_vec3 side = pith_cross(forward, pith_unit(up));
-    if (!(pith_length(side) > 1e-9)) side = pith_perpendicular(forward);
-    *right = pith_unit(side);
-    *above = pith_cross(*right, forward);
-}
-
-pith_camera pith_camera_fit(const pith_box *box, pith_vec3 direction, pith_vec3 up, double field_of_view, double aspect)
-{
-    const double margin = 1.12; /* a picture wants air round its subject */
-    const pith_vec3 middle = pith_scale(pith_add(box->low, box->high), 0.5);
-    pith_vec3 back = pith_unit(direction), right, above;
-    if (!(pith_dot(back, back) > 0.0)) back = pith_v3(0, -1, 0);
-    camera_axes(pith_scale(back, -1.0), up, &right, &above);
-
-    const double tall = tan(0.5 * field_of_view * (M_PI / 180.0)), wide = tall * aspect;
-    double distance = 0.0;
-    for (int i = 0; i < 8; ++i) {
-        const pith_vec3 corner = pith_v3(i & 1 ? box->high.x : box->low.x, i & 2 ? box->high.y : box->low.y,
-                                         i & 4 ? box->high.z : box->low.z);
-        const pith_vec3 d = pith_sub(corner, middle);
-        const double needs = fmax(fabs(pith_dot(d, right)) / wide, fabs(pith_dot(d, above)) / tall);
-        distance = fmax(distance, margin * needs + pith_dot(d, back));
-    }
-    if (!(distance > 0.0)) distance = 1.0; /* a point, or nothing: look at it from somewhere */
-    return (pith_camera){ pith_madd(middle, back, distance), middle, up, field_of_view };
-}
-
-static pith_status place_camera(render_scene *scene, const pith_camera *camera, pith_error *err)
-{
-    const pith_vec3 view = pith_sub(camera->target, camera->eye);
-    if (!pith_finite(camera->eye) || !pith_finite(view) || !(pith_length(view) > 0.0))
-        return pith_fail(err, PITH_BAD_ARGUMENT,
-                         "the camera at (%g, %g, %g) looks at (%g, %g, %g): give two different, finite points",
-                         camera->eye.x, camera->eye.y, camera->eye.z, camera->target.x, camera->target.y,
-                         camera->target.z);
-    if (!pith_finite(camera->up) || !(pith_length(camera->up) > 0.0))
-        return pith_fail(err, PITH_BAD_ARGUMENT, "the camera's up is (%g, %g, %g), expected a direction", camera->up.x,
-                         camera->up.y, camera->up.z);
-    if (!(camera->field_of_view >= 0.1 && camera->field_of_view <= 170.0))
-        return pith_fail(err, PITH_BAD_ARGUMENT, "the camera's field of view is %g degrees, expected 0.1 to 170",
-                         camera->field_of_view);
-    scene->eye = camera->eye;
-    scene->forward = pith_unit(view);
-    scene->sky = pith_unit(camera->up);
-    camera_axes(scene->forward, camera->up, &scene->right, &scene->up);
-
-    /* The light turns with the camera: azimuth 0 lies over the photographer's shoulder. */
-    const pith_render_options *o = scene->options;
-    const double azimuth = o->light_azimuth * (M_PI / 180.0), elevation = o->light_elevation * (M_PI / 180.0);
-    const pith_vec3 toward = pith_cross(scene->right, scene->sky); /* level, from the target to the camera's side */
-    const pith_vec3 level = pith_madd(pith_scale(toward, cos(azimuth)), scene->right, sin(azimuth));
-    scene->light = pith_unit(pith_madd(pith_scale(level, cos(elevation)), scene->sky, sin(elevation)));
-    const double rim = tan(0.5 * o->light_size * (M_PI / 180.0));
-    scene->light_x = pith_scale(pith_perpendicular(scene->light), rim);
-    scene->light_y = pith_cross(scene->light, scene->light_x);
-
-    const double pixel = 2.0 * tan(0.5 * camera->field_of_view * (M_PI / 180.0)) / o->height;
-    scene->right = pith_scale(scene->right, pixel);
-    scene->up = pith_scale(scene->up, pixel);
-    return PITH_OK;
-}
-
-/* ---- all shells as one mesh ------------------------------------------------------------------------------------- */
+/* ---- all items as one mesh -------------------------------------------------------------------------------------- */
 
 static const double crease_degrees = 40.0; /* sharper edges of skin or section are shown as edges */
+
+static pith_status check_item(const pith_render_item *item, size_t i, pith_error *err)
+{
+    if (!pith_finite(item->offset))
+        return pith_fail(err, PITH_BAD_ARGUMENT, "item %zu to render has no finite offset", i);
+    if (!item->mesh) {
+        if (item->shell && item->solid) return PITH_OK;
+        return pith_fail(err, PITH_BAD_ARGUMENT, "item %zu to render has no %s", i, item->shell ? "solid" : "shell");
+    }
+    if (item->shell || item->solid)
+        return pith_fail(err, PITH_BAD_ARGUMENT,
+                         "item %zu to render has both a mesh and a %s: make them two items", i,
+                         item->shell ? "shell" : "solid");
+    if (pith_mesh_look(item->mesh).colours) return PITH_OK;
+    const float *c = item->colour;
+    if (isfinite(c[0]) && isfinite(c[1]) && isfinite(c[2]) && c[3] > 0.0f && c[3] <= 1.0f) return PITH_OK;
+    return pith_fail(err, PITH_BAD_ARGUMENT,
+                     "item %zu to render is a mesh without vertex colours and its colour is (%g, %g, %g) with opacity "
+                     "%g: give it a colour of opacity above 0 to 1", i, (double)c[0], (double)c[1], (double)c[2],
+                     (double)c[3]);
+}
 
 static pith_status count_items(render_scene *scene, pith_error *err)
 {
     size_t vertices = 0, triangles = 0;
     for (size_t i = 0; i < scene->item_count; ++i) {
         const pith_render_item *item = &scene->items[i];
-        if (!item->shell || !item->solid || !pith_finite(item->offset))
-            return pith_fail(err, PITH_BAD_ARGUMENT, "item %zu to render has no %s", i,
-                             !item->shell ? "shell" : !item->solid ? "solid" : "finite offset");
+        PITH_TRY(check_item(item, i, err));
+        if (item->mesh) {
+            const pith_mesh_view view = pith_mesh_look(item->mesh);
+            vertices += view.vertex_count;
+            triangles += view.triangle_count;
+            scene->has_colours = true;
+            continue;
+        }
         const pith_shell_view view = pith_shell_look(item->shell);
         vertices += view.vertex_count;
         triangles += view.triangle_count;
@@ -139,6 +98,70 @@ static pith_status count_items(render_scene *scene, pith_error *err)
     return PITH_OK;
 }
 
+static uint32_t item_vertices(const pith_render_item *item)
+{
+    return item->mesh ? pith_mesh_look(item->mesh).vertex_count : pith_shell_look(item->shell).vertex_count;
+}
+
+static uint32_t item_triangles(const pith_render_item *item)
+{
+    return item->mesh ? pith_mesh_look(item->mesh).triangle_count : pith_shell_look(item->shell).triangle_count;
+}
+
+/* Positions and triangles of item i, from the first vertex and triangle that are its own. */
+static void add_geometry(render_scene *scene, size_t i, const pith_mesh_view *from, uint32_t vertex, uint32_t triangle)
+{
+    for (uint32_t v = 0; v < from->vertex_count; ++v)
+        scene->positions[vertex + v] = pith_add(from->positions[v], scene->items[i].offset);
+    for (uint32_t t = 0; t < from->triangle_count; ++t) {
+        for (int k = 0; k < 3; ++k) scene->triangles[triangle + t][k] = vertex + from->triangles[t][k];
+        scene->item_of[triangle + t] = (uint32_t)i;
+    }
+}
+
+static pith_status add_shell(render_scene *scene, size_t i, uint32_t vertex, uint32_t triangle, pith_error *err)
+{
+    const pith_shell *shell = scene->items[i].shell;
+    const pith_shell_view view = pith_shell_look(shell);
+    if (!view.triangle_count) return PITH_OK;
+    PITH_TRY(pith_shell_normals(shell, crease_degrees, scene->normals + triangle, err));
+    pith_shell_weights(shell, scene->weights + triangle);
+    memcpy(scene->source_tet + triangle, view.source_tet, view.triangle_count * sizeof *view.source_tet);
+    memcpy(scene->kinds + triangle, view.kinds, view.triangle_count * sizeof *view.kinds);
+    memcpy(scene->material + vertex, view.material, view.vertex_count * sizeof *view.material);
+    const pith_mesh_view geometry = { .positions = view.positions, .triangles = view.triangles,
+                                      .vertex_count = view.vertex_count, .triangle_count = view.triangle_count };
+    add_geometry(scene, i, &geometry, vertex, triangle);
+    return PITH_OK;
+}
+
+/* A plain mesh: its own normals, or means over the vertex; the facet's where that is turned away too far. */
+static void add_mesh(render_scene *scene, size_t i, uint32_t vertex, uint32_t triangle)
+{
+    const pith_mesh_view view = pith_mesh_look(scene->items[i].mesh);
+    add_geometry(scene, i, &view, vertex, triangle);
+    for (uint32_t v = 0; v < view.vertex_count; ++v)
+        memcpy(scene->colours[vertex + v], view.colours ? view.colours[v] : scene->items[i].colour,
+               sizeof *scene->colours);
+    /* The material coordinates of a mesh serve nobody; here they hold the normals for a while. */
+    pith_vec3 *means = scene->material + vertex;
+    if (view.normals) memcpy(means, view.normals, view.vertex_count * sizeof *means);
+    else pith_mesh_vertex_normals(&view, means);
+    const double turn = cos(crease_degrees * (M_PI / 180.0));
+    for (uint32_t t = 0; t < view.triangle_count; ++t) {
+        const uint32_t *v = view.triangles[t];
+        const pith_vec3 a = view.positions[v[0]];
+        const pith_vec3 facet = pith_unit(pith_cross(pith_sub(view.positions[v[1]], a),
+                                                     pith_sub(view.positions[v[2]], a)));
+        for (int k = 0; k < 3; ++k) {
+            const bool near = view.normals || pith_dot(means[v[k]], facet) >= turn;
+            scene->normals[triangle + t][k] = near ? means[v[k]] : facet;
+        }
+        scene->kinds[triangle + t] = PITH_SKIN;
+        scene->source_tet[triangle + t] = PITH_NONE;
+    }
+}
+
 static pith_status merge_items(render_scene *scene, pith_error *err)
 {
     scene->positions = pith_alloc(scene->vertex_count, sizeof *scene->positions);
@@ -149,27 +172,16 @@ static pith_status merge_items(render_scene *scene, pith_error *err)
     scene->source_tet = pith_alloc(scene->triangle_count, sizeof *scene->source_tet);
     scene->item_of = pith_alloc(scene->triangle_count, sizeof *scene->item_of);
     scene->kinds = pith_alloc(scene->triangle_count, sizeof *scene->kinds);
-    if (!scene->positions || !scene->material || !scene->triangles || !scene->normals || !scene->weights ||
+    if (scene->has_colours) scene->colours = pith_alloc(scene->vertex_count, sizeof *scene->colours);
+    if (!scene->positions || !scene->material || (scene->has_colours && !scene->colours) || !scene->triangles || !scene->normals || !scene->weights ||
         !scene->source_tet || !scene->item_of || !scene->kinds)
         return PITH_OUT_OF_MEMORY(err, "the scene");
 
-    uint32_t vertex = 0, triangle = 0;
-    for (size_t i = 0; i < scene->item_count; ++i) {
-        const pith_shell_view view = pith_shell_look(scene->items[i].shell);
-        if (!view.triangle_count) continue;
-        PITH_TRY(pith_shell_normals(scene->items[i].shell, crease_degrees, scene->normals + triangle, err));
-        pith_shell_weights(scene->items[i].shell, scene->weights + triangle);
-        memcpy(scene->source_tet + triangle, view.source_tet, view.triangle_count * sizeof *view.source_tet);
-        memcpy(scene->kinds + triangle, view.kinds, view.triangle_count * sizeof *view.kinds);
-        memcpy(scene->material + vertex, view.material, view.vertex_count * sizeof *view.material);
-        for (uint32_t v = 0; v < view.vertex_count; ++v)
-            scene->positions[vertex + v] = pith_add(view.positions[v], scene->items[i].offset);
-        for (uint32_t t = 0; t < view.triangle_count; ++t) {
-            for (int k = 0; k < 3; ++k) scene->triangles[triangle + t][k] = vertex + view.triangles[t][k];
-            scene->item_of[triangle + t] = (uint32_t)i;
-        }
-        vertex += view.vertex_count;
-        triangle += view.triangle_count;
+    for (size_t i = 0, vertex = 0, triangle = 0; i < scene->item_count; ++i) {
+        if (scene->items[i].mesh) add_mesh(scene, i, (uint32_t)vertex, (uint32_t)triangle);
+        else PITH_TRY(add_shell(scene, i, (uint32_t)vertex, (uint32_t)triangle, err));
+        vertex += item_vertices(&scene->items[i]);
+        triangle += item_triangles(&scene->items[i]);
     }
     const pith_mesh_view mesh = { .positions = scene->positions, .triangles = (const uint32_t (*)[3])scene->triangles,
                                   .vertex_count = scene->vertex_count, .triangle_count = scene->triangle_count };
@@ -183,12 +195,12 @@ static void place_floor(render_scene *scene)
     double lowest = INFINITY;
     for (uint32_t i = 0; i < scene->vertex_count; ++i) {
         scene->radius = fmax(scene->radius, pith_distance(scene->positions[i], scene->centre));
-        lowest = fmin(lowest, pith_dot(pith_sub(scene->positions[i], scene->centre), scene->sky));
+        lowest = fmin(lowest, pith_dot(pith_sub(scene->positions[i], scene->centre), scene->view.sky));
     }
     scene->radius *= 1.0 + 1e-6;
     scene->offset = 3e-5 * scene->radius; /* the tracer's floats place a hit to about 1e-6 of the scene */
-    scene->floor_point = pith_madd(scene->centre, scene->sky, lowest);
-    const double camera_height = pith_dot(pith_sub(scene->eye, scene->floor_point), scene->sky);
+    scene->floor_point = pith_madd(scene->centre, scene->view.sky, lowest);
+    const double camera_height = pith_dot(pith_sub(scene->view.eye, scene->floor_point), scene->view.sky);
     scene->has_floor = scene->options->ground && !scene->options->transparent && camera_height > 0.0;
 }
 
@@ -197,6 +209,7 @@ void render_scene_free(render_scene *scene)
     pith_tracer_destroy(scene->tracer);
     pith_free(scene->positions);
     pith_free(scene->material);
+    pith_free(scene->colours);
     pith_free(scene->triangles);
     pith_free(scene->normals);
     pith_free(scene->weights);
@@ -211,7 +224,11 @@ pith_status render_scene_make(render_scene *scene, const pith_render_item *items
 {
     pith_status status = PITH_OK;
     *scene = (render_scene){ .items = items, .item_count = count, .options = options };
-    PITH_TRY_OR(failed, place_camera(scene, camera, err));
+    const double light[2] = { options->light_azimuth, options->light_elevation };
+    PITH_TRY_OR(failed, render_view_make(&scene->view, camera, options->height, light, err));
+    const double rim = tan(0.5 * options->light_size * (M_PI / 180.0));
+    scene->light_x = pith_scale(pith_perpendicular(scene->view.light), rim);
+    scene->light_y = pith_cross(scene->view.light, scene->light_x);
     PITH_TRY_OR(failed, count_items(scene, err));
     PITH_TRY_OR(failed, merge_items(scene, err));
     place_floor(scene);

@@ -133,8 +133,8 @@ static void start_path(const render_scene *scene, path *p, uint32_t x, uint32_t 
     double pair[2];
     render_pair(p->seed, p->sample, o->samples, RENDER_PIXEL, pair);
     const double across = x + 0.5 + tent(pair[0]) - 0.5 * o->width, down = y + 0.5 + tent(pair[1]) - 0.5 * o->height;
-    const pith_vec3 to = pith_madd(pith_madd(scene->forward, scene->right, across), scene->up, -down);
-    *ray = (pith_ray){ scene->eye, pith_unit(to), 0.0, INFINITY };
+    const pith_vec3 to = pith_madd(pith_madd(scene->view.forward, scene->view.right, across), scene->view.up, -down);
+    *ray = (pith_ray){ scene->view.eye, pith_unit(to), 0.0, INFINITY };
 }
 
 /* First hits of the active rays. */
@@ -175,14 +175,30 @@ static void place_on_shell(const render_scene *scene, const pith_ray *ray, const
 /* The floor where the ray meets it, near enough for shadows to reach; false: plain background. */
 static bool place_on_floor(const render_scene *scene, const pith_ray *ray, place *at)
 {
-    const double slope = pith_dot(ray->direction, scene->sky);
+    const double slope = pith_dot(ray->direction, scene->view.sky);
     if (!scene->has_floor || !(slope < 0.0)) return false;
-    const double distance = pith_dot(pith_sub(scene->floor_point, ray->origin), scene->sky) / slope;
+    const double distance = pith_dot(pith_sub(scene->floor_point, ray->origin), scene->view.sky) / slope;
     const pith_vec3 p = pith_madd(ray->origin, ray->direction, distance);
     if (!(distance > 0.0) || !(pith_distance(p, scene->centre) < 40.0 * scene->radius)) return false;
-    *at = (place){ .item = PITH_NONE, .position = p, .view = pith_scale(ray->direction, -1.0), .facet = scene->sky,
-                   .normal = scene->sky, .alpha = 1.0f };
+    *at = (place){ .item = PITH_NONE, .position = p, .view = pith_scale(ray->direction, -1.0), .facet = scene->view.sky,
+                   .normal = scene->view.sky, .alpha = 1.0f };
     return true;
+}
+
+/* Colours of one plain mesh's places. */
+static void colour_item(const render_scene *scene, render_scratch *s, size_t count)
+{
+    for (size_t i = 0; i < count; ++i) {
+        place *at = &s->places[s->order[i]];
+        const pith_hit *hit = &s->hits[s->order[i]];
+        const uint32_t *v = scene->triangles[hit->triangle];
+        const float mix[3] = { 1.0f - hit->u - hit->v, hit->u, hit->v };
+        float sum[4] = { 0.0f };
+        for (int k = 0; k < 3; ++k)
+            for (int c = 0; c < 4; ++c) sum[c] += mix[k] * scene->colours[v[k]][c];
+        for (int c = 0; c < 3; ++c) at->albedo[c] = fmaxf(0.0f, sum[c]);
+        at->alpha = fminf(1.0f, fmaxf(0.0f, sum[3]));
+    }
 }
 
 /* Asks one item's solid about its places, listed in order. */
@@ -190,7 +206,7 @@ static pith_status ask_item(const render_scene *scene, render_scratch *s, uint32
 {
     const pith_solid *solid = scene->items[item].solid;
     const uint32_t channels = pith_solid_channels(solid);
-    const double pixel = pith_length(scene->up) / sqrt((double)scene->options->samples);
+    const double pixel = pith_length(scene->view.up) / sqrt((double)scene->options->samples);
     for (size_t i = 0; i < count; ++i) {
         const place *at = &s->places[s->order[i]];
         const pith_hit *hit = &s->hits[s->order[i]];
@@ -203,7 +219,7 @@ static pith_status ask_item(const render_scene *scene, render_scratch *s, uint32
             for (int j = 0; j < 4; ++j) s->weights[i][j] += mix[k] * scene->weights[hit->triangle][k][j];
         }
         s->normals[i] = at->normal;
-        s->footprints[i] = (float)(pixel * pith_distance(at->position, scene->eye));
+        s->footprints[i] = (float)(pixel * pith_distance(at->position, scene->view.eye));
         s->tets[i] = scene->source_tet[hit->triangle];
     }
     const pith_query query = { .points = s->points, .normals = s->normals, .footprints = s->footprints, .tets = s->tets,
@@ -232,7 +248,9 @@ static pith_status find_places(const render_scene *scene, render_scratch *s, siz
         size_t count = 0;
         for (size_t i = 0; i < active; ++i)
             if (s->places[i].item == item) s->order[count++] = (uint32_t)i;
-        if (count) PITH_TRY(ask_item(scene, s, item, count, err));
+        if (!count) continue;
+        if (scene->items[item].mesh) colour_item(scene, s, count);
+        else PITH_TRY(ask_item(scene, s, item, count, err));
     }
     return PITH_OK;
 }
@@ -260,7 +278,7 @@ static void find_light(const render_scene *scene, render_scratch *s, size_t acti
         double pair[2], x, y;
         render_pair(p->seed, p->sample, scene->options->samples, RENDER_LIGHT, pair);
         render_disc(pair, &x, &y);
-        at->key = pith_unit(pith_madd(pith_madd(scene->light, scene->light_x, x), scene->light_y, y));
+        at->key = pith_unit(pith_madd(pith_madd(scene->view.light, scene->light_x, x), scene->light_y, y));
         at->facing = pith_dot(at->normal, at->key);
         if (scene->options->light_strength > 0.0 && pith_dot(at->facet, at->key) > 0.0)
             at->key_ray = add_blocker(scene, s, &count, at, at->key);
@@ -295,7 +313,7 @@ static void shade_shell(const render_scene *scene, const render_scratch *s, cons
     const pith_render_options *o = scene->options;
     const bool lit = at->key_ray == PITH_NONE || !s->blocked[at->key_ray];
     const bool open = at->sky_ray == PITH_NONE || !s->blocked[at->sky_ray];
-    const bool from_floor = open && scene->has_floor && pith_dot(at->sky, scene->sky) < 0.0;
+    const bool from_floor = open && scene->has_floor && pith_dot(at->sky, scene->view.sky) < 0.0;
     const double key = lit ? o->light_strength * fmax(0.0, (at->facing + wrap) / (1.0 + wrap)) : 0.0;
 
     const double toward_eye = fmax(0.0, pith_dot(at->normal, at->view));

@@ -61,7 +61,7 @@ static pith_render_options plain_options(void)
 static pith_image *draw(const pith_shell *shell, const pith_solid *solid, const pith_render_options *o)
 {
     pith_error err;
-    const pith_render_item item = { shell, solid, { 0, 0, 0 } };
+    const pith_render_item item = { .shell = shell, .solid = solid };
     const pith_camera camera = front_camera();
     pith_image *image = NULL;
     CHECK_OK(pith_render(&item, 1, &camera, o, NULL, &image, &err));
@@ -147,7 +147,7 @@ static void test_a_ramp_appears_where_perspective_puts_it(void **state)
 
     /* Moved away, the shell takes its colours along: solids are asked at material coordinates. */
     pith_error err;
-    const pith_render_item moved = { shell, solid, { 10, 0, -4 } };
+    const pith_render_item moved = { .shell = shell, .solid = solid, .offset = { 10, 0, -4 } };
     pith_camera camera = front_camera();
     camera.eye = pith_add(camera.eye, moved.offset);
     camera.target = pith_add(camera.target, moved.offset);
@@ -211,6 +211,98 @@ static void test_layers_of_a_translucent_texture(void **state)
     pith_shell_destroy(shell);
 }
 
+/* The square [0,1] x [0,1] of x and z in the plane y = 0, turned to the front camera or away from it. */
+static pith_mesh *square(const float (*colours)[4], bool away)
+{
+    pith_error err;
+    const pith_vec3 corners[4] = { { 0, 0, 0 }, { 1, 0, 0 }, { 1, 0, 1 }, { 0, 0, 1 } };
+    const uint32_t front[2][3] = { { 0, 1, 2 }, { 0, 2, 3 } }, back[2][3] = { { 0, 2, 1 }, { 0, 3, 2 } };
+    const pith_mesh_view view = { .positions = corners, .colours = colours, .triangles = away ? back : front,
+                                  .vertex_count = 4, .triangle_count = 2 };
+    pith_mesh *mesh = NULL;
+    CHECK_OK(pith_mesh_create(&view, &mesh, &err));
+    return mesh;
+}
+
+static void test_plain_meshes_show_their_colours(void **state)
+{
+    (void)state;
+    pith_error err;
+    const pith_camera camera = front_camera();
+    pith_render_options o = plain_options();
+    o.samples = 64;
+    /* Red grows with x, green with z, opacity is 0.9: linear over both triangles. */
+    const float ramp[4][4] = { { 0.1f, 0.2f, 0.3f, 0.9f }, { 0.7f, 0.2f, 0.3f, 0.9f }, { 0.7f, 0.6f, 0.3f, 0.9f },
+                               { 0.1f, 0.6f, 0.3f, 0.9f } };
+    pith_mesh *coloured = square(ramp, false), *plain = square(NULL, true);
+    pith_render_item items[2] = { { .mesh = coloured }, { .mesh = plain, .colour = { 0.6f, 0.25f, 0.05f, 1 } } };
+    pith_image *image = NULL;
+    CHECK_OK(pith_render(items, 1, &camera, &o, NULL, &image, &err));
+    const double behind = pith_srgb_decode(0.94f);
+    for (uint32_t x = 18; x < 46; ++x) {
+        const double along = 0.5 + (x + 0.5 - 32) / 32;
+        CHECK_NEAR(pixel(image, x, 40)[0], 0.9 * (0.1 + 0.6 * along) + 0.1 * behind, 2e-3);
+        CHECK_NEAR(pixel(image, 40, x)[1], 0.9 * (0.6 - 0.4 * along) + 0.1 * pith_srgb_decode(0.935f), 2e-3);
+    }
+    pith_image_destroy(image);
+
+    /* One colour, seen from its back; a mesh and a shell in one picture, each where its offset puts it. */
+    pith_shell *shell = cube_shell();
+    pith_solid *solid = flat_solid(0.2f, 0.3f, 0.4f, 1);
+    items[0] = (pith_render_item){ .shell = shell, .solid = solid, .offset = { 0.5, 0, 0 } };
+    items[1].offset.x = -0.5;
+    CHECK_OK(pith_render(items, 2, &camera, &o, NULL, &image, &err));
+    CHECK_NEAR(pixel(image, 20, 32)[0], 0.6, 1e-6);
+    CHECK_NEAR(pixel(image, 20, 32)[2], 0.05, 1e-6);
+    CHECK_NEAR(pixel(image, 44, 32)[0], 0.2, 1e-6);
+    CHECK_NEAR(pixel(image, 44, 32)[2], 0.4, 1e-6);
+    pith_image_destroy(image);
+    pith_shell_destroy(shell);
+    pith_solid_destroy(solid);
+    pith_mesh_destroy(coloured);
+    pith_mesh_destroy(plain);
+}
+
+static void test_plain_meshes_are_lit_smoothly_but_at_edges(void **state)
+{
+    (void)state;
+    pith_error err;
+    pith_render_options o = plain_options();
+    o.ambient = 0;
+    o.light_strength = 0.5;
+    o.light_azimuth = o.light_elevation = o.light_size = 0;
+    pith_fruit_options ball = pith_fruit_options_default();
+    ball.radius_x = ball.radius_y = ball.radius_z = 1;
+    ball.power = 2;
+    ball.dent = ball.taper = ball.bump = 0;
+    ball.detail = 3;
+    pith_mesh *mesh = NULL;
+    CHECK_OK(pith_mesh_fruit(&ball, &mesh, &err));
+    const pith_render_item item = { .mesh = mesh, .colour = { 1, 1, 1, 1 } };
+    const pith_camera camera = { { 0, -50, 0 }, { 0, 0, 0 }, { 0, 0, 1 }, 2 * atan(1.0 / 50) * 180 / M_PI };
+    pith_image *image = NULL;
+    o.samples = 16;
+    CHECK_OK(pith_render(&item, 1, &camera, &o, NULL, &image, &err));
+    /* Light from the camera: wrapped cosine of the true normal, which flat facets of 8 degrees would miss by 0.03. */
+    for (uint32_t x = 34; x < 58; x += 4) {
+        const double across = (x + 0.5 - 32) / 32, cosine = sqrt(1 - across * across);
+        CHECK_NEAR(pixel(image, x, 32)[0], 0.5 * (cosine + 0.22) / 1.22, 6e-3);
+    }
+    pith_image_destroy(image);
+    pith_mesh_destroy(mesh);
+
+    /* A cube's vertices have mean normals 54 degrees off: its faces stay flat. */
+    pith_shell *shell = cube_shell();
+    CHECK_OK(pith_shell_mesh(shell, &mesh, &err));
+    const pith_camera front = front_camera();
+    const pith_render_item cube = { .mesh = mesh, .colour = { 0.8f, 0.4f, 0.2f, 1 } };
+    CHECK_OK(pith_render(&cube, 1, &front, &o, NULL, &image, &err));
+    for (uint32_t x = 18; x < 46; ++x) CHECK_NEAR(pixel(image, x, 18)[0], 0.4, 1e-6);
+    pith_image_destroy(image);
+    pith_mesh_destroy(mesh);
+    pith_shell_destroy(shell);
+}
+
 /* Red of the pixel in which the camera sees a point. */
 static double at_point(const pith_image *image, const pith_camera *c, pith_vec3 point)
 {
@@ -234,7 +326,7 @@ static void test_the_floor_is_dark_only_by_the_body(void **state)
     o.light_azimuth = -90; /* from the left: the shadow falls to the right */
     o.light_elevation = 45;
     o.light_size = 2;
-    const pith_render_item item = { shell, solid, { 0, 0, 0 } };
+    const pith_render_item item = { .shell = shell, .solid = solid };
     const pith_box box = { { -1.5, -1, 0 }, { 2.5, 1, 1 } };
     const pith_camera camera = pith_camera_fit(&box, pith_v3(0, -1, 0.8), pith_v3(0, 0, 1), 35, 4.0 / 3);
     pith_image *image = NULL;
@@ -265,7 +357,8 @@ static void test_the_same_bytes_for_any_number_of_threads(void **state)
     CHECK_OK(pith_part_cut(part, values, &lower, &upper, &err));
     const float low[4] = { 0.1f, 0.7f, 0.0f, 1 }, high[4] = { 0.7f, 0.1f, 0.0f, 0.5f };
     pith_solid *ramp = ramp_solid(low, high), *flat = flat_solid(0.3f, 0.4f, 0.5f, 0.9f);
-    const pith_render_item items[2] = { { lower, ramp, { 0, 0, 0 } }, { upper, flat, { 0, 0.2, 1.5 } } };
+    const pith_render_item items[2] = { { .shell = lower, .solid = ramp },
+                                        { .shell = upper, .solid = flat, .offset = { 0, 0.2, 1.5 } } };
     pith_render_options o = pith_render_options_default();
     o.width = 150; /* tiles of several sizes */
     o.height = 70;
@@ -333,7 +426,7 @@ static void test_refusals_and_cancelling(void **state)
     pith_error err;
     pith_shell *shell = cube_shell();
     pith_solid *solid = flat_solid(0.5f, 0.5f, 0.5f, 1);
-    pith_render_item item = { shell, solid, { 0, 0, 0 } };
+    pith_render_item item = { .shell = shell, .solid = solid };
     pith_camera camera = front_camera();
     pith_render_options o = plain_options();
     pith_image *image = NULL;
@@ -344,6 +437,21 @@ static void test_refusals_and_cancelling(void **state)
     item.solid = NULL;
     CHECK_FAILS(pith_render(&item, 1, &camera, &o, NULL, &image, &err), PITH_BAD_ARGUMENT, "solid");
     item.solid = solid;
+    item.shell = NULL;
+    CHECK_FAILS(pith_render(&item, 1, &camera, &o, NULL, &image, &err), PITH_BAD_ARGUMENT, "no shell");
+    item.shell = shell;
+    pith_mesh *mesh = square(NULL, false);
+    item.mesh = mesh;
+    CHECK_FAILS(pith_render(&item, 1, &camera, &o, NULL, &image, &err), PITH_BAD_ARGUMENT, "both a mesh and a shell");
+    item.shell = NULL;
+    CHECK_FAILS(pith_render(&item, 1, &camera, &o, NULL, &image, &err), PITH_BAD_ARGUMENT, "both a mesh and a solid");
+    item.solid = NULL;
+    CHECK_FAILS(pith_render(&item, 1, &camera, &o, NULL, &image, &err), PITH_BAD_ARGUMENT, "opacity");
+    item.colour[3] = 1;
+    item.colour[1] = NAN;
+    CHECK_FAILS(pith_render(&item, 1, &camera, &o, NULL, &image, &err), PITH_BAD_ARGUMENT, "colour");
+    pith_mesh_destroy(mesh);
+    item = (pith_render_item){ .shell = shell, .solid = solid };
     camera.target = camera.eye;
     CHECK_FAILS(pith_render(&item, 1, &camera, &o, NULL, &image, &err), PITH_BAD_ARGUMENT, "camera");
     camera = front_camera();
@@ -374,7 +482,8 @@ static void test_every_allocation_may_fail(void **state)
     pith_error err;
     pith_shell *shell = cube_shell();
     pith_solid *solid = flat_solid(0.5f, 0.5f, 0.5f, 1);
-    const pith_render_item item = { shell, solid, { 0, 0, 0 } };
+    pith_mesh *mesh = square(NULL, false);
+    const pith_render_item items[2] = { { .shell = shell, .solid = solid }, { .mesh = mesh, .colour = { 1, 1, 1, 1 } } };
     const pith_camera camera = front_camera();
     pith_render_options o = plain_options();
     o.width = o.height = 8;
@@ -382,7 +491,7 @@ static void test_every_allocation_may_fail(void **state)
     for (size_t n = 0;; ++n) {
         pith_image *image = NULL;
         pith_memory_fail_after(n);
-        const pith_status status = pith_render(&item, 1, &camera, &o, NULL, &image, &err);
+        const pith_status status = pith_render(items, 2, &camera, &o, NULL, &image, &err);
         pith_memory_fail_after(SIZE_MAX);
         if (status == PITH_OK) {
             pith_image_destroy(image);
@@ -391,6 +500,7 @@ static void test_every_allocation_may_fail(void **state)
         assert_int_equal(status, PITH_NO_MEMORY);
         assert_null(image);
     }
+    pith_mesh_destroy(mesh);
     pith_solid_destroy(solid);
     pith_shell_destroy(shell);
 }
@@ -402,6 +512,8 @@ int main(void)
         cmocka_unit_test(test_key_light_head_on_gives_its_strength),
         cmocka_unit_test(test_a_ramp_appears_where_perspective_puts_it),
         cmocka_unit_test(test_transparent_background_and_edges),
+        cmocka_unit_test(test_plain_meshes_show_their_colours),
+        cmocka_unit_test(test_plain_meshes_are_lit_smoothly_but_at_edges),
         cmocka_unit_test(test_layers_of_a_translucent_texture),
         cmocka_unit_test(test_the_floor_is_dark_only_by_the_body),
         cmocka_unit_test(test_the_same_bytes_for_any_number_of_threads),
