@@ -86,18 +86,24 @@ typedef struct pith_frame { pith_vec3 primary, secondary, tertiary; } pith_frame
 pith_frame pith_frame_make(pith_vec3 gradient, pith_vec3 secondary);
 
 /** Where a frame field turns too fast for its mesh: marks tets [tet_count] in whose four corners the primary or the
- *  secondary directions differ by more than `angle` degrees from their mean, or where they cancel altogether (poles and
- *  axes of the depth field; Takayama 2008 §7, thesis §5.5). Writes how many were marked. O(tets). Frames are of the
- *  oriented kind: opposite directions differ by 180 degrees. secondary may be NULL: only the gradient is looked at. */
+ *  secondary directions differ by more than `angle` degrees from their mean, where they cancel altogether (poles and
+ *  axes of the depth field; Takayama 2008 §7, thesis §5.5), or where a corner has none (a gradient below 1e-9 of the
+ *  steepest, a secondary along it). Writes how many were marked. Every tet in which the interpolated direction vanishes is
+ *  marked, whatever the angle (above 0, at most 90); a tet that is marked lies no farther from an axis than about its
+ *  longest edge / (2 sin(angle / 2)). Frames are of the oriented kind: opposite directions differ by 180 degrees.
+ *  secondary [vertex_count] need not be perpendicular, and may be NULL: only the gradient is looked at. O(tets).
+ *  PITH_BAD_ARGUMENT: an angle out of range, numbers that are not finite (naming the vertex). */
 pith_status pith_frame_singular(const pith_tets *tets, const pith_vec3 *gradient, const pith_vec3 *secondary,
                                 double angle, bool *marked, uint32_t *count, pith_error *err);
 
 /* ---- painting tools (Takayama 2008 §4.3) --------------------------------------------------------------------------- */
 
 /** Multi-face fill: the triangles that are reached from `face` over edges where the surface bends by at most `crease`
- *  degrees (angle between the two normals) and that have the same label. labels [triangle_count], NULL: all alike.
- *  faces: ascending, allocated, caller frees with pith_free. Edges with more than two triangles stop the fill.
- *  PITH_BAD_ARGUMENT: face out of range. O(n). The single-face fill needs no function. */
+ *  degrees (0..180; the angle between the two normals, to 1e-4) and that have the same label. labels [triangle_count],
+ *  NULL: all alike. faces: ascending, allocated, caller frees with pith_free. Edges with more than two triangles stop the
+ *  fill, and so do triangles without area; a triangle turned over against its neighbour does not.
+ *  PITH_BAD_ARGUMENT: face or crease out of range. O(n): 0.02 s for 200 000 triangles. The single-face fill needs no
+ *  function. */
 pith_status pith_faces_fill(const pith_mesh *mesh, uint32_t face, const int32_t *labels, double crease,
                             uint32_t **faces, size_t *count, pith_error *err);
 
@@ -172,9 +178,12 @@ pith_volume_view pith_volume_field_look(const pith_volume_field *field);
 
 /* ---- scale fields ---------------------------------------------------------------------------------------------------- */
 
-/** The size of the exemplar (model units) at every vertex from a few set points: Laplacian smoothing of the logarithm, so
- *  that sizes stay positive and between the least and the greatest given (2008 §5.2.2). One point: constant.
- *  scale [vertex_count]. PITH_BAD_ARGUMENT: no point, a size that is not positive, two sizes for one place. */
+/** The size of the exemplar (model units) at every vertex from a few set points: Laplacian smoothing of the logarithm
+ *  (lambda_d is not used: sizes belong to places, not to layers), cut back to the least and the greatest given where it
+ *  swings past them (2008 §5.2.2). One point: constant. A component of the tets without any point gets the geometric mean
+ *  of all sizes. Points outside are moved to the nearest tet. scale [vertex_count]. PITH_BAD_ARGUMENT: no point, a size
+ *  that is not positive, two sizes for one place (within 1e-6 of the diagonal). Cost: one smoothing solve, and the square of
+ *  the number of points. */
 pith_status pith_scale_field(const pith_tets *tets, const pith_locator *locator, const pith_vec3 *points,
                              const double *sizes, size_t count, const pith_smoothing_options *options, double *scale,
                              pith_error *err);

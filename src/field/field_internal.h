@@ -30,6 +30,11 @@ pith_status depth_samples_make(const pith_tets *tets, const pith_depth_constrain
                                const pith_depth_options *options, depth_samples *samples, pith_error *err);
 void depth_samples_free(depth_samples *samples);
 
+/* ---- directions (frames.c) --------------------------------------------------------------------------------------- */
+
+/* v without its part along n (unit length or zero), at unit length; zero when next to nothing is left of it. */
+pith_vec3 across_unit(pith_vec3 v, pith_vec3 n);
+
 /* ---- which vertices share an edge (adjacency.c) ------------------------------------------------------------------ */
 
 typedef struct adjacency {

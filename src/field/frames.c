@@ -63,9 +63,8 @@ static pith_status sample_strokes(const pith_stroke *strokes, size_t stroke_coun
 
 /* ---- after smoothing --------------------------------------------------------------------------------------------- */
 
-/* v without its part along the unit vector n, at unit length; zero when next to nothing is left of it. Twice, because
-   what the first pass leaves may be mostly rounding; the second makes it perpendicular to the last bit. */
-static pith_vec3 across(pith_vec3 v, pith_vec3 n)
+/* Twice, because what the first pass leaves may be mostly rounding; the second makes it perpendicular to the last bit. */
+pith_vec3 across_unit(pith_vec3 v, pith_vec3 n)
 {
     const pith_vec3 unit = pith_unit(v), left = pith_reject(unit, n);
     if (!(pith_length(left) > nothing_left)) return pith_v3(0, 0, 0);
@@ -96,7 +95,7 @@ static pith_status repair(const adjacency *adjacent, const pith_vec3 *normals, p
             pith_vec3 sum = pith_v3(0, 0, 0);
             for (uint32_t e = adjacent->start[v]; e < adjacent->start[v + 1]; ++e)
                 sum = pith_add(sum, secondary[adjacent->neighbour[e]]);
-            found[i] = pith_length(sum) > nothing_left ? across(sum, normals[v]) : pith_v3(0, 0, 0);
+            found[i] = pith_length(sum) > nothing_left ? across_unit(sum, normals[v]) : pith_v3(0, 0, 0);
         }
         uint32_t left = 0;
         for (uint32_t i = 0; i < count; ++i) {
@@ -129,7 +128,7 @@ static pith_status straighten(const adjacency *adjacent, const pith_vec3 *gradie
     }
     for (uint32_t v = 0; v < n; ++v) {
         if (pith_length(gradient[v]) > no_gradient * steepest) normals[v] = pith_unit(gradient[v]);
-        secondary[v] = pith_length(secondary[v]) > nothing_left * longest ? across(secondary[v], normals[v])
+        secondary[v] = pith_length(secondary[v]) > nothing_left * longest ? across_unit(secondary[v], normals[v])
                                                                          : pith_v3(0, 0, 0);
     }
     const pith_status status = repair(adjacent, normals, secondary, err);
@@ -184,7 +183,7 @@ pith_frame pith_frame_make(pith_vec3 gradient, pith_vec3 secondary)
         const pith_vec3 other = pith_unit(secondary);
         frame.primary = pith_perpendicular(is_zero(other) ? pith_v3(0, 0, 1) : other);
     }
-    frame.secondary = across(secondary, frame.primary);
+    frame.secondary = across_unit(secondary, frame.primary);
     if (is_zero(frame.secondary)) frame.secondary = pith_perpendicular(frame.primary);
     frame.tertiary = pith_cross(frame.primary, frame.secondary);
     return frame;
