@@ -48,6 +48,9 @@ pith_status pith_part_whole(const pith_tets *tets, pith_part **part, pith_error 
 /** Its surface; faces made by former splits are section. */
 pith_status pith_part_shell(const pith_part *part, pith_shell **shell, pith_error *err);
 double pith_part_volume(const pith_part *part);
+/** Barycentric coordinates of every tet's corners in its source tet of the original model, [tet_count][4][4], caller's
+ *  array: what pith_shell_weights gives for triangles. They are linear over the tet. O(tets), parallel. */
+void pith_part_weights(const pith_part *part, double (*weights)[4][4]);
 
 /** Cuts along the zero of a function given at the part's vertices, by marching tetrahedra (Treece et al. 1999), without
  *  touching the part: shells of the negative and of the positive side, each closed and watertight, either may be NULL

@@ -26,6 +26,7 @@ static pith_status origin_new(const pith_tets_view *view, cut_origin **origin, p
     cut_origin *o = pith_alloc(1, sizeof *o);
     if (!o) return PITH_OUT_OF_MEMORY(err, "a part's origin");
     atomic_init(&o->users, 1);
+    o->vertex_count = view->vertex_count;
     o->positions = pith_alloc(view->vertex_count, sizeof *o->positions);
     o->tets = pith_alloc(view->tet_count, sizeof *o->tets);
     if (!o->positions || !o->tets) {
@@ -286,16 +287,26 @@ void pith_shell_measure(const pith_shell *shell, double *skin, double *section, 
     if (volume) *volume = six / 6.0;
 }
 
+/* Of a point in one of the origin's tets; its middle for a tet without volume. */
+static void origin_weights(const cut_origin *origin, uint32_t tet, pith_vec3 point, double w[4])
+{
+    const uint32_t *t = origin->tets[tet];
+    const pith_vec3 *p = origin->positions;
+    if (!pith_barycentric(p[t[0]], p[t[1]], p[t[2]], p[t[3]], point, w)) w[0] = w[1] = w[2] = w[3] = 0.25;
+}
+
 void pith_shell_weights(const pith_shell *shell, double (*weights)[3][4])
 {
 #pragma omp parallel for num_threads(pith_threads()) schedule(static) if (shell->triangle_count > 4096)
-    for (uint32_t i = 0; i < shell->triangle_count; ++i) {
-        const uint32_t *t = shell->origin->tets[shell->source_tet[i]];
-        const pith_vec3 *p = shell->origin->positions;
-        for (int k = 0; k < 3; ++k) {
-            double *w = weights[i][k];
-            if (!pith_barycentric(p[t[0]], p[t[1]], p[t[2]], p[t[3]], shell->material[shell->triangles[i][k]], w))
-                w[0] = w[1] = w[2] = w[3] = 0.25;
-        }
-    }
+    for (uint32_t i = 0; i < shell->triangle_count; ++i)
+        for (int k = 0; k < 3; ++k)
+            origin_weights(shell->origin, shell->source_tet[i], shell->material[shell->triangles[i][k]], weights[i][k]);
+}
+
+void pith_part_weights(const pith_part *part, double (*weights)[4][4])
+{
+#pragma omp parallel for num_threads(pith_threads()) schedule(static) if (part->tet_count > 4096)
+    for (uint32_t i = 0; i < part->tet_count; ++i)
+        for (int k = 0; k < 4; ++k)
+            origin_weights(part->origin, part->source_tet[i], part->material[part->tets[i][k]], weights[i][k]);
 }

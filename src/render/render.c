@@ -5,15 +5,15 @@
 #include <omp.h>
 
 /* Tiles first .. end; of several failures the one of the lowest tile is told. */
-static pith_status render_tiles(const render_scene *scene, render_scratch **scratch, uint32_t tiles_wide,
-                                uint32_t first, uint32_t end, int threads, pith_image *image, pith_error *err)
+static pith_status run_tiles(const render_job *job, void **scratch, uint32_t tiles_wide, uint32_t first, uint32_t end,
+                             int threads, pith_image *image, pith_error *err)
 {
     uint32_t failed = PITH_NONE;
     pith_error worst = { .status = PITH_OK };
 #pragma omp parallel for num_threads(threads) schedule(dynamic, 1)
     for (uint32_t tile = first; tile < end; ++tile) {
         pith_error own = { .status = PITH_OK };
-        if (render_tile(scene, scratch[omp_get_thread_num()], tile % tiles_wide, tile / tiles_wide, image, &own) ==
+        if (job->tile(job->scene, scratch[omp_get_thread_num()], tile % tiles_wide, tile / tiles_wide, image, &own) ==
             PITH_OK)
             continue;
 #pragma omp critical(pith_render_tiles)
@@ -25,15 +25,14 @@ static pith_status render_tiles(const render_scene *scene, render_scratch **scra
     return failed == PITH_NONE ? PITH_OK : pith_fail(err, worst.status, "%s", worst.message);
 }
 
-static pith_status render_scene_image(const render_scene *scene, const pith_progress *progress, pith_image *image,
-                                      pith_error *err)
+pith_status render_job_run(const render_job *job, const pith_progress *progress, pith_image *image, pith_error *err)
 {
     pith_status status = PITH_OK;
     const int threads = pith_threads();
-    render_scratch **scratch = pith_alloc((size_t)threads, sizeof *scratch);
+    void **scratch = pith_alloc((size_t)threads, sizeof *scratch);
     if (!scratch) return PITH_OUT_OF_MEMORY(err, "rays");
     for (int i = 0; i < threads; ++i) {
-        scratch[i] = render_scratch_new(scene);
+        scratch[i] = job->scratch_new(job->scene);
         if (scratch[i]) continue;
         status = PITH_OUT_OF_MEMORY(err, "rays");
         goto done;
@@ -44,10 +43,10 @@ static pith_status render_scene_image(const render_scene *scene, const pith_prog
     for (uint32_t first = 0; first < tiles; first += step) {
         PITH_TRY_OR(done, pith_progress_step(progress, (double)first / tiles, "rendering", err));
         const uint32_t end = tiles - first < step ? tiles : first + step;
-        PITH_TRY_OR(done, render_tiles(scene, scratch, wide, first, end, threads, image, err));
+        PITH_TRY_OR(done, run_tiles(job, scratch, wide, first, end, threads, image, err));
     }
 done:
-    for (int i = 0; i < threads; ++i) render_scratch_free(scratch[i]);
+    for (int i = 0; i < threads; ++i) job->scratch_free(scratch[i]);
     pith_free(scratch);
     return status;
 }
@@ -64,7 +63,8 @@ pith_status pith_render(const pith_render_item *items, size_t count, const pith_
     PITH_TRY(render_scene_make(&scene, items, count, camera, options, err));
     pith_image *made = NULL;
     pith_status status = pith_image_create(options->width, options->height, 4, &made, err);
-    if (status == PITH_OK) status = render_scene_image(&scene, progress, made, err);
+    const render_job job = { &scene, render_scratch_new, render_scratch_free, render_tile };
+    if (status == PITH_OK) status = render_job_run(&job, progress, made, err);
     render_scene_free(&scene);
     if (status == PITH_OK) *image = made;
     else pith_image_destroy(made);

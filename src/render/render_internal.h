@@ -11,6 +11,8 @@ typedef enum render_use { RENDER_PIXEL, RENDER_LIGHT, RENDER_SKY, RENDER_USES } 
 
 /* Two numbers in [0, 1) for sample `index` of `count`, the same whoever asks in whatever order. */
 void render_pair(uint64_t pixel_seed, uint32_t index, uint32_t count, render_use use, double out[2]);
+/* A number in [0, 1) as a position under a tent from -1 to 1: the pictures' reconstruction filter. */
+double render_tent(double u);
 /* A point of the unit disc, uniform; a direction round the unit normal, density cos / pi. */
 void render_disc(const double pair[2], double *x, double *y);
 pith_vec3 render_cosine(const double pair[2], pith_vec3 normal);
@@ -65,13 +67,22 @@ void render_scene_free(render_scene *scene);
 
 enum { RENDER_TILE = 32, RENDER_BATCH = 8192, RENDER_LAYERS = 8 };
 
-/* Everything one thread needs to render a tile; made once per thread. */
-typedef struct render_scratch render_scratch;
-render_scratch *render_scratch_new(const render_scene *scene); /* NULL: no memory */
-void render_scratch_free(render_scratch *scratch);
+/* A picture made tile by tile: what one thread needs, made once per thread (NULL: no memory), and the tile's pixels. */
+typedef struct render_job {
+    const void *scene;
+    void *(*scratch_new)(const void *scene);
+    void (*scratch_free)(void *scratch);
+    pith_status (*tile)(const void *scene, void *scratch, uint32_t tile_x, uint32_t tile_y, pith_image *image,
+                        pith_error *err);
+} render_job;
 
-/* Renders the pixels of one tile into the image. */
-pith_status render_tile(const render_scene *scene, render_scratch *scratch, uint32_t tile_x, uint32_t tile_y,
-                        pith_image *image, pith_error *err);
+/* Tiles in parallel, progress between groups of them. */
+pith_status render_job_run(const render_job *job, const pith_progress *progress, pith_image *image, pith_error *err);
+
+/* Of pith_render; the scene is a render_scene. */
+void *render_scratch_new(const void *scene);
+void render_scratch_free(void *scratch);
+pith_status render_tile(const void *scene, void *scratch, uint32_t tile_x, uint32_t tile_y, pith_image *image,
+                        pith_error *err);
 
 #endif

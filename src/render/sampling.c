@@ -47,6 +47,11 @@ void render_pair(uint64_t pixel_seed, uint32_t index, uint32_t count, render_use
     out[1] = y * 0x1p-32;
 }
 
+double render_tent(double u)
+{
+    return u < 0.5 ? sqrt(2.0 * u) - 1.0 : 1.0 - sqrt(2.0 - 2.0 * u);
+}
+
 void render_disc(const double pair[2], double *x, double *y)
 {
     const double r = sqrt(pair[0]), a = 2.0 * M_PI * pair[1];

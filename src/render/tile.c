@@ -37,7 +37,7 @@ typedef struct place {
     pith_vec3 key, sky;         /* towards the sampled light; of the sampled sky */
 } place;
 
-struct render_scratch {
+typedef struct render_scratch {
     path *paths;
     pith_ray *rays;             /* [BATCH] of the active paths */
     uint32_t *active, *traced;  /* [BATCH] paths; places in `active` whose rays may meet a shell */
@@ -52,10 +52,11 @@ struct render_scratch {
     uint32_t *tets;
     double (*weights)[4];
     double (*pixels)[4];        /* [TILE * TILE] sums of colour and coverage */
-};
+} render_scratch;
 
-void render_scratch_free(render_scratch *s)
+void render_scratch_free(void *scratch)
 {
+    render_scratch *s = scratch;
     if (!s) return;
     pith_free(s->paths);
     pith_free(s->rays);
@@ -78,8 +79,9 @@ void render_scratch_free(render_scratch *s)
     pith_free(s);
 }
 
-render_scratch *render_scratch_new(const render_scene *scene)
+void *render_scratch_new(const void *of)
 {
+    const render_scene *scene = of;
     render_scratch *s = pith_alloc(1, sizeof *s);
     if (!s) return NULL;
     *s = (render_scratch){
@@ -121,18 +123,12 @@ static bool near_shells(const render_scene *scene, const pith_ray *ray)
     return along > 0.0 && pith_dot(to, to) - along * along <= square;
 }
 
-/* A position in the pixel weighted by a tent two pixels wide: the picture's reconstruction filter. */
-static double tent(double u)
-{
-    return u < 0.5 ? sqrt(2.0 * u) - 1.0 : 1.0 - sqrt(2.0 - 2.0 * u);
-}
-
 static void start_path(const render_scene *scene, path *p, uint32_t x, uint32_t y, pith_ray *ray)
 {
     const pith_render_options *o = scene->options;
     double pair[2];
     render_pair(p->seed, p->sample, o->samples, RENDER_PIXEL, pair);
-    const double across = x + 0.5 + tent(pair[0]) - 0.5 * o->width, down = y + 0.5 + tent(pair[1]) - 0.5 * o->height;
+    const double across = x + 0.5 + render_tent(pair[0]) - 0.5 * o->width, down = y + 0.5 + render_tent(pair[1]) - 0.5 * o->height;
     const pith_vec3 to = pith_madd(pith_madd(scene->view.forward, scene->view.right, across), scene->view.up, -down);
     *ray = (pith_ray){ scene->view.eye, pith_unit(to), 0.0, INFINITY };
 }
@@ -401,9 +397,11 @@ static pith_status run_batch(const render_scene *scene, render_scratch *s, size_
     return PITH_OK;
 }
 
-pith_status render_tile(const render_scene *scene, render_scratch *s, uint32_t tile_x, uint32_t tile_y,
-                        pith_image *image, pith_error *err)
+pith_status render_tile(const void *of, void *scratch, uint32_t tile_x, uint32_t tile_y, pith_image *image,
+                        pith_error *err)
 {
+    const render_scene *scene = of;
+    render_scratch *s = scratch;
     const uint32_t left = tile_x * RENDER_TILE, top = tile_y * RENDER_TILE;
     const uint32_t width = image->width - left < RENDER_TILE ? image->width - left : RENDER_TILE;
     const uint32_t height = image->height - top < RENDER_TILE ? image->height - top : RENDER_TILE;
