@@ -47,6 +47,8 @@ typedef struct pith_particle_layer {
     float halo_colour[3];
     double displacement;            /* added to the displacement channel inside the particle */
     double opacity;                 /* inside the particle, 0..1; 1 as a rule */
+    double r_low, r_high, t_low, t_high; /* range of r and t of the centres; 0 to 1 as a rule, a single value puts a piece
+                                       that is to be pasted in the middle */
 } pith_particle_layer;
 
 /** Courses of blocks along s, joints between them; every second course is shifted by half a block along r and t. A whole

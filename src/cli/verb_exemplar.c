@@ -27,18 +27,18 @@ static void draw_slice(pith_image *image, uint32_t x, uint32_t side, const pith_
         }
 }
 
-/* Three slices through the middle side by side: r to the right and the outside on top, the same with t to the right,
+/* Three slices near the middle (in the very middle regular things have their joints), side by side: r to the right and the outside on top, the same with t to the right,
    and a layer seen from outside (r to the right, t down). */
 static pith_status write_slices(const pith_grid *grid, const char *path, pith_error *err)
 {
     const uint32_t nr = grid->size[0], ns = grid->size[1], nt = grid->size[2];
-    const uint32_t side = (PREVIEW_WANTED + ns - 1) / ns, middle[3] = { nr / 2, ns / 2, nt / 2 };
+    const uint32_t side = (PREVIEW_WANTED + ns - 1) / ns, near[3] = { nr * 7 / 16, ns * 7 / 16, nt * 7 / 16 };
     pith_image *image = NULL;
     PITH_TRY(pith_image_create((2 * nr + nt) * side + 2 * PREVIEW_GAP, (ns > nt ? ns : nt) * side, 3, &image, err));
     for (size_t i = 0; i < (size_t)3 * image->width * image->height; ++i) image->pixels[i] = 1.0f;
-    draw_slice(image, 0, side, grid, 0, 1, middle);
-    draw_slice(image, nr * side + PREVIEW_GAP, side, grid, 2, 1, middle);
-    draw_slice(image, (nr + nt) * side + 2 * PREVIEW_GAP, side, grid, 0, 2, middle);
+    draw_slice(image, 0, side, grid, 0, 1, near);
+    draw_slice(image, nr * side + PREVIEW_GAP, side, grid, 2, 1, near);
+    draw_slice(image, (nr + nt) * side + 2 * PREVIEW_GAP, side, grid, 0, 2, near);
     const pith_status status = pith_image_write(image, path, 92, err);
     pith_image_destroy(image);
     return status;

@@ -95,6 +95,9 @@ pith_status pith_layered_recipe_check(const pith_layered_recipe *recipe, pith_er
         const pith_particle_layer *l = &recipe->particles[i];
         const bool colours = is_colour(l->colour) && is_colour(l->core_colour) && is_colour(l->halo_colour);
         PITH_TRY(check_layer(recipe, "particles", i, &pith_particle_layer_params, l, colours, err));
+        if (!(l->r_low <= l->r_high && l->t_low <= l->t_high))
+            return pith_fail(err, PITH_BAD_ARGUMENT, "particles[%zu]: r_low %g to r_high %g, t_low %g to t_high %g: the "
+                             "low ones must not lie beyond the high ones", i, l->r_low, l->r_high, l->t_low, l->t_high);
     }
     return PITH_OK;
 }

@@ -55,6 +55,12 @@ static const pith_param particle_items[] = {
     { "displacement", "texture units", "added to the displacement channel inside the particle", REAL, -1, 0, 1,
       PARTICLE(displacement), NULL },
     { "opacity", "1", "inside the particle; 0 is a hole that is seen through", REAL, 0, 1, 1, PARTICLE(opacity), NULL },
+    { "r_low", "1", "least r of the centres", REAL, 0, 0, 1, PARTICLE(r_low), NULL },
+    { "r_high", "1", "greatest r of the centres; as r_low puts all of them there", REAL, 0, 1, 1, PARTICLE(r_high),
+      NULL },
+    { "t_low", "1", "least t of the centres", REAL, 0, 0, 1, PARTICLE(t_low), NULL },
+    { "t_high", "1", "greatest t of the centres; as t_low puts all of them there", REAL, 0, 1, 1, PARTICLE(t_high),
+      NULL },
 };
 
 const pith_params pith_particle_layer_params = { "particle", particle_items,

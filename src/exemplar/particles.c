@@ -130,9 +130,9 @@ pith_status particles_throw(const pith_particle_layer *layer, const exemplar_spa
         particle p;
         full = true;
         for (int dart = 0; dart < DART_TRIES && full; ++dart) {
-            p.centre[0] = pith_rng_unit(&rng);
+            p.centre[0] = layer->r_low + (layer->r_high - layer->r_low) * pith_rng_unit(&rng);
             p.centre[1] = layer->depth_low + (layer->depth_high - layer->depth_low) * pith_rng_unit(&rng);
-            p.centre[2] = pith_rng_unit(&rng);
+            p.centre[2] = layer->t_low + (layer->t_high - layer->t_low) * pith_rng_unit(&rng);
             full = !has_room(&board, p.centre);
         }
         if (full) break;

@@ -116,6 +116,29 @@ static void test_ramp_of_opacity(void **state)
     pith_grid_destroy(g);
 }
 
+/* A piece to be pasted: one ball in the middle of a clear cube, opaque inside, nothing at the borders. */
+static void test_a_ball_stands_where_it_is_put(void **state)
+{
+    (void)state;
+    const pith_ramp_stop stop = { 0, { 0.5f, 0, 0 }, 0 };
+    pith_particle_layer l = some_particles();
+    l.radius_r = l.radius_s = l.radius_t = 0.3, l.density = 1, l.spacing = 0;
+    l.depth_low = l.depth_high = 0.5, l.r_low = l.r_high = 0.4, l.t_low = l.t_high = 0.6;
+    pith_layered_recipe recipe = recipe_of(&stop);
+    recipe.homogeneous = false;
+    recipe.particles = &l, recipe.particle_count = 1;
+    pith_grid *g = make(&recipe);
+    CHECK_NEAR(mean_of(g, 3), 4.0 / 3 * PI * 0.027, 2e-4);
+    for (uint32_t k = 0; k < 64; ++k)
+        for (uint32_t j = 0; j < 64; ++j)
+            for (uint32_t i = 0; i < 64; ++i) {
+                const double r = (i + 0.5) / 64 - 0.4, s = (j + 0.5) / 64 - 0.5, t = (k + 0.5) / 64 - 0.6;
+                const double d = sqrt(r * r + s * s + t * t);
+                if (fabs(d - 0.3) > 1.0 / 64) CHECK_NEAR(cell(g, i, j, k)[3], d < 0.3 ? 1 : 0, 1e-6);
+            }
+    pith_grid_destroy(g);
+}
+
 /* ---- repeating along s --------------------------------------------------------------------------------------- */
 
 /* Everything at once: the mean step across each border is like the mean step inside, within what 4096 pairs allow, and
@@ -383,6 +406,7 @@ static void test_refusals_name_the_entry(void **state)
     REFUSED(n.depth_high = 0.9, "noises[0]: depths 0 to 0.9, but a homogeneous recipe");
     REFUSED(p.depth_low = 0.1, "particles[0]: depths 0.1 to 1, but a homogeneous recipe");
     REFUSED(p.opacity = -0.1, "particles[0]: opacity is -0.1");
+    REFUSED((p.t_low = 0.6, p.t_high = 0.5), "particles[0]: r_low 0 to r_high 1, t_low 0.6 to t_high 0.5");
     REFUSED(b[1].depth_low = 0.1, "bricks[1]: depths 0.1 to 1");
     REFUSED(b[1].joint = 0.25, "bricks[1]: a joint of 0.25 leaves nothing of blocks of 0.25 along s");
     REFUSED((bad.size_s = 8, b[0].size_s = 0.1), "bricks[0]: a joint of 0.125 leaves nothing of blocks of 0.1 along s");
@@ -424,6 +448,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_opacity_is_a_mean_by_volume),
         cmocka_unit_test(test_ramp_of_opacity),
+        cmocka_unit_test(test_a_ball_stands_where_it_is_put),
         cmocka_unit_test(test_homogeneous_recipes_have_no_seam),
         cmocka_unit_test(test_darts_see_over_the_border),
         cmocka_unit_test(test_joints_have_their_volume),
