@@ -127,6 +127,12 @@ pith_status pith_lapped_paste(const pith_solid *solid, const pith_paste *pastes,
 pith_status pith_lapped_texture(const pith_solid *solid, const pith_query *query, double (*rst)[3], uint32_t *patch,
                                 pith_error *err);
 
+/** The contrast that blending leaves: standard deviation of luminance about the mean of its layer of depth, over random
+ *  points where one patch has more than 99 % of the colour, and over those where none has more than 75 %. Equal when
+ *  nothing is lost. For tests and measurement. */
+pith_status pith_lapped_contrast(const pith_solid *solid, size_t samples, uint64_t seed, double *alone, double *overlap,
+                                 pith_error *err);
+
 /** The patches as bytes (pastes, exemplar and mesh not included), for the cache; free with pith_free. */
 pith_status pith_lapped_save(const pith_solid *solid, unsigned char **bytes, size_t *size, pith_error *err);
 /** A solid from saved patches over the same tets, depth (NULL for types 0) and exemplar; every index is checked. */

@@ -9,6 +9,7 @@
  *  lapped_fill.c      the loop: seeds, patches in parallel, pasting, the finished solid
  *  lapped_solid.c     a solid's life
  *  lapped_measure.c   the report
+ *  lapped_gauss.c     blending that keeps the contrast
  *  lapped_paste.c     further exemplars pasted by hand on top
  *  lapped_sample.c    asking the solid
  *  lapped_store.c     patches as bytes
@@ -220,11 +221,28 @@ typedef struct lapped_patch {
     float direction[3], second[3];  /* as in the seed */
 } lapped_patch;
 
+/* An exemplar's values as normal variables, and the way back (lapped_gauss.c). */
+enum { GAUSS_TABLE = 128 };
+#define GAUSS_REACH 3.5             /* tables run from -GAUSS_REACH to GAUSS_REACH deviations */
+typedef struct lapped_gauss {
+    float mean[3], axes[3][3];      /* of the colours: principal axes as rows */
+    uint32_t rows;                  /* distributions: one for each row of s, or one for all */
+    float *values;                  /* as the exemplar's */
+    float (*tables)[GAUSS_TABLE];   /* [rows][channels] values by equal steps of the normal variable */
+} lapped_gauss;
+
 typedef struct lapped_exemplar {
     uint32_t size[3], channels;     /* at least 4 channels */
     bool wraps;                     /* along s too */
     float *values;                  /* [t][s][r][channels] */
+    lapped_gauss *gauss;            /* NULL unless patches are blended with it */
 } lapped_exemplar;
+
+enum { LAPPED_CHANNELS = 64 };      /* as many as a grid can have */
+pith_status lapped_gauss_make(lapped_exemplar *exemplar, pith_error *err);
+void lapped_gauss_free(lapped_gauss *gauss);
+/* Colour and further channels at depth s from blended normal variables; [channels] both. */
+void lapped_gauss_decode(const lapped_exemplar *exemplar, float s, const float *normal, float *out);
 
 typedef struct lapped_solid {
     pith_solid base;

@@ -54,6 +54,9 @@ pith_status lapped_check_exemplar(const pith_grid *exemplar, pith_error *err)
     if (exemplar->channels < 3)
         return pith_fail(err, PITH_BAD_ARGUMENT, "the exemplar has %u channel%s, expected at least 3 (RGB)",
                          exemplar->channels, exemplar->channels == 1 ? "" : "s");
+    if (exemplar->channels > LAPPED_CHANNELS)
+        return pith_fail(err, PITH_BAD_ARGUMENT, "the exemplar has %u channels, expected at most %d", exemplar->channels,
+                         LAPPED_CHANNELS);
     for (int k = 0; k < 3; ++k)
         if (exemplar->size[k] < 2 || exemplar->size[k] > 1024)
             return pith_fail(err, PITH_BAD_ARGUMENT, "the exemplar is %u x %u x %u voxels, expected 2 to 1024 a side",

@@ -86,8 +86,10 @@ static pith_status copy_solid(const lapped_solid *from, size_t count, lapped_sol
             status = PITH_OUT_OF_MEMORY(err, "an exemplar");
             goto done;
         }
+        copied.gauss = NULL;
         made->exemplars[made->exemplar_count++] = copied;
     }
+    if (from->exemplars[0].gauss) PITH_TRY_OR(done, lapped_gauss_make(&made->exemplars[0], err));
     status = pith_locator_create(from->tets_owner, &made->locator, err);
 done:
     if (status == PITH_OK) *copy = made;

@@ -54,24 +54,22 @@ static cell exemplar_cell(const lapped_exemplar *exemplar, const lapped_patch *p
     return found;
 }
 
-/* The first four channels; lerps as a + x (b - a), so that constants stay exactly constant. */
-static inline v4 exemplar_colour(const lapped_exemplar *exemplar, const cell *at)
+/* The first four channels of values laid out as the exemplar's; lerps as a + x (b - a), so that constants stay exactly constant. */
+static inline v4 exemplar_colour(const float *values, uint32_t channels, const cell *at)
 {
-    const uint32_t channels = exemplar->channels;
     v4 rows[4];
     for (int k = 0; k < 4; ++k) {
-        const v4 a = *(const v4 *)(exemplar->values + (at->base[k] + at->left) * channels);
-        const v4 b = *(const v4 *)(exemplar->values + (at->base[k] + at->right) * channels);
+        const v4 a = *(const v4 *)(values + (at->base[k] + at->left) * channels);
+        const v4 b = *(const v4 *)(values + (at->base[k] + at->right) * channels);
         rows[k] = a + at->x * (b - a);
     }
     const v4 near = rows[0] + at->y * (rows[1] - rows[0]), far = rows[2] + at->y * (rows[3] - rows[2]);
     return near + at->z * (far - near);
 }
 
-static float exemplar_channel(const lapped_exemplar *exemplar, const cell *at, uint32_t channel)
+static float exemplar_channel(const float *values, uint32_t channels, const cell *at, uint32_t channel)
 {
-    const uint32_t channels = exemplar->channels;
-    const float *values = exemplar->values + channel;
+    values += channel;
     float row[4];
     for (int k = 0; k < 4; ++k) {
         const float a = values[(at->base[k] + at->left) * channels], b = values[(at->base[k] + at->right) * channels];
@@ -146,7 +144,7 @@ static inline void gather(const lapped_solid *self, uint32_t index, spot at, flo
     const lapped_patch *patch = &self->patches[self->entries[index].patch];
     const lapped_exemplar *exemplar = &self->exemplars[patch->exemplar];
     const cell found = exemplar_cell(exemplar, patch, at);
-    v4 colour = exemplar_colour(exemplar, &found);
+    v4 colour = exemplar_colour(exemplar->values, exemplar->channels, &found);
     if (patch->exemplar > 0) { /* where it is, it is as solid as itself: its opacity is its shape */
         alpha *= colour[3];
         if (!(alpha > 0.0f)) return;
@@ -156,33 +154,82 @@ static inline void gather(const lapped_solid *self, uint32_t index, spot at, flo
     *(v4 *)out += factor * colour;
     sum->weight += factor;
     if (self->base.channels > 4 && exemplar->channels >= self->base.channels) {
-        for (uint32_t c = 4; c < self->base.channels; ++c) out[c] += factor * exemplar_channel(exemplar, &found, c);
+        for (uint32_t c = 4; c < self->base.channels; ++c)
+            out[c] += factor * exemplar_channel(exemplar->values, exemplar->channels, &found, c);
         sum->extra_weight += factor;
     }
     sum->through -= factor; /* exactly 0 after an opaque patch: through * 1 is taken off */
+}
+
+/* The same where the fill's patches are blended as normal variables: they are gathered apart from pasted ones. */
+typedef struct normal_sum { float weight, squares, values[LAPPED_CHANNELS]; } normal_sum;
+
+static inline void gather_normal(const lapped_solid *self, uint32_t index, spot at, float alpha, gathered *sum,
+                                 normal_sum *normal)
+{
+    const lapped_exemplar *exemplar = &self->exemplars[0];
+    const cell found = exemplar_cell(exemplar, &self->patches[self->entries[index].patch], at);
+    const float factor = alpha * sum->through, *values = exemplar->gauss->values;
+    *(v4 *)normal->values += factor * exemplar_colour(values, exemplar->channels, &found);
+    for (uint32_t c = 4; c < exemplar->channels; ++c)
+        normal->values[c] += factor * exemplar_channel(values, exemplar->channels, &found, c);
+    normal->weight += factor;
+    normal->squares += factor * factor;
+    sum->through -= factor;
+}
+
+/* Brings what was gathered of the fill back to colours and lays it under the pastes. */
+static void add_normal(const lapped_solid *self, float depth, normal_sum *normal, gathered *sum, float *out)
+{
+    if (!(normal->weight > 0.0f)) return;
+    const lapped_exemplar *exemplar = &self->exemplars[0];
+    float colour[LAPPED_CHANNELS];
+    const float factor = 1.0f / sqrtf(normal->squares);
+    for (uint32_t c = 0; c < exemplar->channels; ++c) normal->values[c] *= factor;
+    lapped_gauss_decode(exemplar, depth, normal->values, colour);
+    for (uint32_t c = 0; c < exemplar->channels; ++c) out[c] += normal->weight * colour[c];
+    sum->weight += normal->weight;
+    sum->extra_weight += normal->weight;
 }
 
 /* The channels beyond the fourth where pasted exemplars without them hide everything: those of the fill below. */
 static void extras_below(const lapped_solid *self, uint32_t tet, const float w[4], float depth, float *out)
 {
     const uint32_t entry = nearest_entry(self, tet, w, depth);
+    const lapped_exemplar *exemplar = &self->exemplars[0];
     const lapped_patch *patch = &self->patches[self->entries[entry].patch];
-    const cell found = exemplar_cell(&self->exemplars[0], patch, entry_spot(self, entry, w, depth));
-    for (uint32_t c = 4; c < self->base.channels; ++c) out[c] = exemplar_channel(&self->exemplars[0], &found, c);
+    const cell found = exemplar_cell(exemplar, patch, entry_spot(self, entry, w, depth));
+    for (uint32_t c = 4; c < self->base.channels; ++c)
+        out[c] = exemplar_channel(exemplar->values, exemplar->channels, &found, c);
+}
+
+/* From the topmost entry down until nothing shines through. */
+static inline void gather_all(const lapped_solid *self, uint32_t tet, const float w[4], float depth, gathered *sum,
+                              float *out)
+{
+    const uint32_t begin = self->entry_start[tet], end = self->entry_start[tet + 1];
+    const bool normals = self->exemplars[0].gauss != NULL;
+    normal_sum normal;
+    if (normals) memset(&normal, 0, offsetof(normal_sum, values) + self->base.channels * sizeof(float));
+    for (uint32_t e = begin; e < end && sum->through > 0.0f; ++e) {
+        const spot at = entry_spot(self, e, w, depth);
+        const float alpha = entry_alpha(self, e, w, at);
+        if (!(alpha > 0.0f)) continue;
+        if (normals && self->patches[self->entries[e].patch].exemplar == 0)
+            gather_normal(self, e, at, alpha, sum, &normal);
+        else gather(self, e, at, alpha, sum, out);
+    }
+    if (normals) add_normal(self, depth, &normal, sum, out);
 }
 
 static void compose(const lapped_solid *self, uint32_t tet, const double weights[4], float *out)
 {
-    const uint32_t channels = self->base.channels, begin = self->entry_start[tet], end = self->entry_start[tet + 1];
+    const uint32_t channels = self->base.channels;
     const float w[4] = { (float)weights[0], (float)weights[1], (float)weights[2], (float)weights[3] };
     const float depth = depth_at(self, tet, weights);
     gathered sum = { 1.0f, 0.0f, 0.0f };
     memset(out, 0, channels * sizeof *out);
-    for (uint32_t e = begin; e < end && sum.through > 0.0f; ++e) {
-        const spot at = entry_spot(self, e, w, depth);
-        const float alpha = entry_alpha(self, e, w, at);
-        if (alpha > 0.0f) gather(self, e, at, alpha, &sum, out);
-    }
+    gather_all(self, tet, w, depth, &sum, out);
     if (!(sum.weight > 0.0f)) {
         const uint32_t e = nearest_entry(self, tet, w, depth);
         gather(self, e, entry_spot(self, e, w, depth), 1.0f, &sum, out);
@@ -229,6 +276,66 @@ static void lapped_sample(const pith_solid *solid, const pith_query *query, floa
 
 const pith_solid_class lapped_class = { "lapped", lapped_sample, lapped_destroy };
 
+/* ---- contrast ---------------------------------------------------------------------------------------------------------- */
+
+/* The greatest share that one patch has in the colour at a point. */
+static float greatest_share(const lapped_solid *self, uint32_t tet, const float w[4], float depth)
+{
+    float through = 1.0f, weight = 0.0f, most = 0.0f;
+    for (uint32_t e = self->entry_start[tet]; e < self->entry_start[tet + 1] && through > 0.0f; ++e) {
+        const float factor = through * entry_alpha(self, e, w, entry_spot(self, e, w, depth));
+        through -= factor;
+        weight += factor;
+        most = fmaxf(most, factor);
+    }
+    return weight > 0.0f ? most / weight : 1.0f;
+}
+
+/* Sums for a variance about the mean of each of a few layers of depth. */
+enum { LAYERS = 24 };
+typedef struct layer_sums { double count[LAYERS], sum[LAYERS], squares[LAYERS]; } layer_sums;
+
+static double deviation(const layer_sums *sums)
+{
+    double within = 0.0, count = 0.0;
+    for (int l = 0; l < LAYERS; ++l) {
+        if (sums->count[l] < 10.0) continue;
+        within += sums->squares[l] - sums->sum[l] * sums->sum[l] / sums->count[l];
+        count += sums->count[l];
+    }
+    return count > 0.0 ? sqrt(fmax(0.0, within / count)) : 0.0;
+}
+
+pith_status pith_lapped_contrast(const pith_solid *solid, size_t samples, uint64_t seed, double *alone, double *overlap,
+                                 pith_error *err)
+{
+    if (!solid || solid->class != &lapped_class || !alone || !overlap)
+        return pith_fail(err, PITH_BAD_ARGUMENT, "pith_lapped_contrast: expected a lapped solid and room for two results");
+    const lapped_solid *self = (const lapped_solid *)solid;
+    pith_rng rng = pith_rng_make(seed, 7);
+    layer_sums single = { 0 }, mixed = { 0 };
+    for (size_t i = 0; i < samples; ++i) {
+        const uint32_t tet = pith_rng_below(&rng, self->tets.tet_count);
+        double weights[4], total = 0.0;
+        for (int k = 0; k < 4; ++k) total += weights[k] = -log(1.0 - pith_rng_unit(&rng));
+        for (int k = 0; k < 4; ++k) weights[k] /= total;
+        const float w[4] = { (float)weights[0], (float)weights[1], (float)weights[2], (float)weights[3] };
+        const float depth = depth_at(self, tet, weights), share = greatest_share(self, tet, w, depth);
+        layer_sums *sums = share > 0.99f ? &single : share < 0.75f ? &mixed : NULL;
+        if (!sums) continue;
+        float colour[LAPPED_CHANNELS];
+        compose(self, tet, weights, colour);
+        const double light = 0.2126 * (double)colour[0] + 0.7152 * (double)colour[1] + 0.0722 * (double)colour[2];
+        const int layer = (int)fmin(LAYERS - 1, fmax(0.0, (double)depth * LAYERS));
+        sums->count[layer] += 1.0;
+        sums->sum[layer] += light;
+        sums->squares[layer] += light * light;
+    }
+    *alone = deviation(&single);
+    *overlap = deviation(&mixed);
+    return PITH_OK;
+}
+
 /* ---- texture coordinates -------------------------------------------------------------------------------------------------- */
 
 /* The topmost entry that shows at a point. */
@@ -241,7 +348,7 @@ static uint32_t topmost(const lapped_solid *self, uint32_t tet, const float w[4]
         if (patch->exemplar == 0) return e;
         const lapped_exemplar *exemplar = &self->exemplars[patch->exemplar];
         const cell found = exemplar_cell(exemplar, patch, at);
-        if (exemplar_channel(exemplar, &found, 3) > 0.0f) return e;
+        if (exemplar_channel(exemplar->values, exemplar->channels, &found, 3) > 0.0f) return e;
     }
     return nearest_entry(self, tet, w, depth);
 }

@@ -40,6 +40,7 @@ pith_status lapped_solid_make(const pith_tets *tets, const double *depth, const 
     if (!homogeneous) memcpy(self->depth, depth, self->tets.vertex_count * sizeof *depth);
     PITH_TRY_OR(done, lapped_exemplar_make(exemplar, homogeneous, &self->exemplars[0], err));
     self->exemplar_count = 1;
+    if (options->blend == PITH_BLEND_VARIANCE) PITH_TRY_OR(done, lapped_gauss_make(&self->exemplars[0], err));
     lapped_masks_make(self->masks, options);
     self->mask_count = MASK_KINDS;
     const pith_box box = pith_box_of(self->tets.positions, self->tets.vertex_count);
@@ -57,7 +58,10 @@ void lapped_destroy(pith_solid *solid)
     pith_locator_destroy(self->locator);
     pith_free(self->depth);
     pith_free(self->masks);
-    for (uint32_t e = 0; e < self->exemplar_count; ++e) pith_free(self->exemplars[e].values);
+    for (uint32_t e = 0; e < self->exemplar_count; ++e) {
+        pith_free(self->exemplars[e].values);
+        lapped_gauss_free(self->exemplars[e].gauss);
+    }
     pith_free(self->exemplars);
     pith_free(self->patches);
     pith_free(self->entry_start);
