@@ -247,43 +247,6 @@ static uint32_t containing(const pith_locator *l, const int at[3], pith_vec3 p, 
 
 /* ---- the nearest tetrahedron ----------------------------------------------------------------------------------- */
 
-/* Weights of the point of the segment ab nearest to p, written to corners i and j. */
-static void nearest_on_edge(pith_vec3 a, pith_vec3 b, pith_vec3 p, int i, int j, double w[3])
-{
-    const pith_vec3 ab = pith_sub(b, a);
-    const double length = pith_dot(ab, ab), along = length > 0.0 ? pith_dot(pith_sub(p, a), ab) / length : 0.0;
-    w[j] = along > 0.0 ? (along < 1.0 ? along : 1.0) : 0.0;
-    w[i] = 1.0 - w[j];
-}
-
-/* Point of the triangle abc nearest to p and its weights: the foot of the perpendicular when it lies inside, else the
-   best of the three edges. */
-static pith_vec3 nearest_on_triangle(const pith_vec3 corner[3], pith_vec3 p, double weights[3])
-{
-    const pith_vec3 normal = pith_cross(pith_sub(corner[1], corner[0]), pith_sub(corner[2], corner[0]));
-    const double area = pith_dot(normal, normal);
-    double w[3], best = INFINITY;
-    weights[0] = 1.0; /* kept only where distances overflow */
-    weights[1] = weights[2] = 0.0;
-    for (int k = 0; k < 3; ++k)
-        w[k] = pith_dot(pith_cross(pith_sub(corner[(k + 2) % 3], corner[(k + 1) % 3]),
-                                   pith_sub(p, corner[(k + 1) % 3])), normal) / area;
-    if (w[0] >= 0.0 && w[1] >= 0.0 && w[2] >= 0.0) {
-        memcpy(weights, w, sizeof w);
-        best = 0.0;
-    }
-    for (int k = 0; k < 3 && best > 0.0; ++k) {
-        const int i = k, j = (k + 1) % 3;
-        memset(w, 0, sizeof w);
-        nearest_on_edge(corner[i], corner[j], p, i, j, w);
-        const double distance = pith_distance(pith_lerp(corner[i], corner[j], w[j]), p);
-        if (!(distance < best)) continue;
-        best = distance;
-        memcpy(weights, w, sizeof w);
-    }
-    return pith_madd(pith_madd(pith_scale(corner[0], weights[0]), corner[1], weights[1]), corner[2], weights[2]);
-}
-
 /* Squared distance from p to a node's box; a little less, so that rounding never prunes the nearest face. */
 static double box_distance(const mesh_tree_node *node, pith_vec3 p)
 {
@@ -303,7 +266,7 @@ static void try_face(const pith_locator *l, uint32_t face, pith_vec3 p, nearest_
     const uint32_t *v = l->faces[face];
     const pith_vec3 corner[3] = { l->tets->positions[v[0]], l->tets->positions[v[1]], l->tets->positions[v[2]] };
     double w[3];
-    const pith_vec3 d = pith_sub(nearest_on_triangle(corner, p, w), p);
+    const pith_vec3 d = pith_sub(mesh_nearest_on_triangle(corner, p, w), p);
     const double squared = pith_dot(d, d);
     /* Faces are numbered in the order of their tetrahedra: of equals the lowest wins. */
     if (!(squared < best->squared || (squared == best->squared && face < best->face))) return;

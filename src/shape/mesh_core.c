@@ -90,6 +90,51 @@ double mesh_triangle_area(const pith_mesh_view *view, uint32_t triangle)
     return 0.5 * pith_length(pith_cross(pith_sub(view->positions[t[1]], a), pith_sub(view->positions[t[2]], a)));
 }
 
+static void set_weights(double weights[3], double a, double b, double c)
+{
+    weights[0] = a;
+    weights[1] = b;
+    weights[2] = c;
+}
+
+/* By Voronoi regions: corners, then edges, then the inside (Ericson, "Real-Time Collision Detection", 2005, section
+   5.1.5). */
+pith_vec3 mesh_nearest_on_triangle(const pith_vec3 corner[3], pith_vec3 p, double weights[3])
+{
+    const pith_vec3 a = corner[0], b = corner[1], c = corner[2], ab = pith_sub(b, a), ac = pith_sub(c, a);
+    const pith_vec3 ap = pith_sub(p, a), bp = pith_sub(p, b), cp = pith_sub(p, c);
+    const double a1 = pith_dot(ab, ap), a2 = pith_dot(ac, ap);
+    set_weights(weights, 1.0, 0.0, 0.0);
+    if (a1 <= 0.0 && a2 <= 0.0) return a;
+    const double b1 = pith_dot(ab, bp), b2 = pith_dot(ac, bp);
+    set_weights(weights, 0.0, 1.0, 0.0);
+    if (b1 >= 0.0 && b2 <= b1) return b;
+    const double near_ab = a1 * b2 - b1 * a2;
+    if (near_ab <= 0.0 && a1 >= 0.0 && b1 <= 0.0) {
+        const double t = a1 > b1 ? a1 / (a1 - b1) : 0.0;
+        set_weights(weights, 1.0 - t, t, 0.0);
+        return pith_madd(a, ab, t);
+    }
+    const double c1 = pith_dot(ab, cp), c2 = pith_dot(ac, cp);
+    set_weights(weights, 0.0, 0.0, 1.0);
+    if (c2 >= 0.0 && c1 <= c2) return c;
+    const double near_ac = c1 * a2 - a1 * c2;
+    if (near_ac <= 0.0 && a2 >= 0.0 && c2 <= 0.0) {
+        const double t = a2 > c2 ? a2 / (a2 - c2) : 0.0;
+        set_weights(weights, 1.0 - t, 0.0, t);
+        return pith_madd(a, ac, t);
+    }
+    const double near_bc = b1 * c2 - c1 * b2, from_b = b2 - b1, from_c = c1 - c2;
+    if (near_bc <= 0.0 && from_b >= 0.0 && from_c >= 0.0) {
+        const double t = from_b + from_c > 0.0 ? from_b / (from_b + from_c) : 0.0;
+        set_weights(weights, 0.0, 1.0 - t, t);
+        return pith_madd(b, pith_sub(c, b), t);
+    }
+    const double sum = near_ab + near_ac + near_bc;
+    set_weights(weights, near_bc / sum, near_ac / sum, near_ab / sum);
+    return pith_madd(pith_madd(a, ab, near_ac / sum), ac, near_ab / sum);
+}
+
 /* Weights by the corner's angle make the normal independent of how a flat region is cut into triangles (Thürmer and
    Wüthrich, "Computing vertex normals from polygonal facets", Journal of Graphics Tools 3(1), 1998). */
 void pith_mesh_vertex_normals(const pith_mesh_view *mesh, pith_vec3 *normals)

@@ -318,28 +318,6 @@ void pith_tracer_inside(const pith_tracer *tracer, const pith_vec3 *points, size
 
 /* ---- nearest ----------------------------------------------------------------------------------------------------- */
 
-/* Nearest point of a triangle (Ericson, "Real-Time Collision Detection", 2005, section 5.1.5: by Voronoi regions). */
-static pith_vec3 nearest_on_triangle(pith_vec3 p, pith_vec3 a, pith_vec3 b, pith_vec3 c)
-{
-    const pith_vec3 ab = pith_sub(b, a), ac = pith_sub(c, a);
-    const pith_vec3 ap = pith_sub(p, a), bp = pith_sub(p, b), cp = pith_sub(p, c);
-    const double a1 = pith_dot(ab, ap), a2 = pith_dot(ac, ap);
-    if (a1 <= 0.0 && a2 <= 0.0) return a;
-    const double b1 = pith_dot(ab, bp), b2 = pith_dot(ac, bp);
-    if (b1 >= 0.0 && b2 <= b1) return b;
-    const double near_ab = a1 * b2 - b1 * a2;
-    if (near_ab <= 0.0 && a1 >= 0.0 && b1 <= 0.0) return pith_madd(a, ab, a1 > b1 ? a1 / (a1 - b1) : 0.0);
-    const double c1 = pith_dot(ab, cp), c2 = pith_dot(ac, cp);
-    if (c2 >= 0.0 && c1 <= c2) return c;
-    const double near_ac = c1 * a2 - a1 * c2;
-    if (near_ac <= 0.0 && a2 >= 0.0 && c2 <= 0.0) return pith_madd(a, ac, a2 > c2 ? a2 / (a2 - c2) : 0.0);
-    const double near_bc = b1 * c2 - c1 * b2, from_b = b2 - b1, from_c = c1 - c2;
-    if (near_bc <= 0.0 && from_b >= 0.0 && from_c >= 0.0)
-        return pith_madd(b, pith_sub(c, b), from_b + from_c > 0.0 ? from_b / (from_b + from_c) : 0.0);
-    const double sum = near_ab + near_ac + near_bc;
-    return pith_madd(pith_madd(a, ab, near_ac / sum), ac, near_ab / sum);
-}
-
 typedef struct nearest_query {
     const pith_tracer *tracer;
     pith_vec3 point; /* model units */
@@ -350,9 +328,10 @@ typedef struct nearest_query {
 /* True when triangle t is nearer than the best so far; of equals the lowest index wins. */
 static bool try_triangle(nearest_query *query, uint32_t t)
 {
-    pith_vec3 a, b, c;
-    corners_of(query->tracer, t, &a, &b, &c);
-    const pith_vec3 on = nearest_on_triangle(query->point, a, b, c);
+    pith_vec3 corner[3];
+    double weights[3];
+    corners_of(query->tracer, t, &corner[0], &corner[1], &corner[2]);
+    const pith_vec3 on = mesh_nearest_on_triangle(corner, query->point, weights);
     const double distance = pith_distance(on, query->point);
     if (!(distance < query->best.distance || (distance == query->best.distance && t < query->best.triangle)))
         return false;
