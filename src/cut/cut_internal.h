@@ -10,6 +10,7 @@
 /* The model all parts and shells of one family come from: where source tets lie. Shared and counted, never changed. */
 typedef struct cut_origin {
     atomic_uint users;
+    uint32_t vertex_count;
     pith_vec3 *positions;
     uint32_t (*tets)[4];
 } cut_origin;
@@ -124,5 +125,38 @@ pith_status cut_shell_make(const pith_part *part, const cut_march *march, const 
 /* A part with its arrays allocated and empty, one more user of the origin. */
 pith_status cut_part_new(cut_origin *origin, uint32_t vertex_count, uint32_t tet_count, pith_part **part,
                          pith_error *err);
+
+/* ---- strokes: a curve without ends in the plane of the picture (stroke_curve.c) ---------------------------------- */
+
+typedef struct cut_point2 { double x, y; } cut_point2;
+typedef struct cut_box2 { cut_point2 low, high; } cut_box2;
+
+/* A stretch of it: from + t * along, low <= t <= high. The first and last of an open curve are rays. */
+typedef struct cut_stretch {
+    cut_point2 from, along;     /* along: unit length */
+    double low, high;
+    cut_point2 right[3];        /* to the right: at low, in between, at high; longer than 0, not of unit length */
+    double reach[2];            /* at low and at high: how far off the curve is known to be by itself; 0 when made */
+} cut_stretch;
+
+typedef struct cut_curve {
+    cut_point2 *points;         /* [point_count] equally spaced but for ends that were clipped or joined */
+    uint32_t point_count;
+    cut_stretch *stretches;     /* [count] open: ray, one fewer than points, ray; closed: as many as points */
+    uint32_t count;
+    bool closed;
+    cut_point2 away[2];         /* open: directions in which the ends go on */
+    double step;                /* between points */
+} cut_curve;
+
+/* The curve through drawn points: noise thinned, resampled at `spacing` of its length, what lies before and behind
+   `view` (where values are wanted) clipped, ends continued or joined. PITH_BAD_ARGUMENT when it has no two sides. */
+pith_status cut_curve_make(const cut_point2 *drawn, size_t count, double spacing, const cut_box2 *view,
+                           cut_curve *curve, pith_error *err);
+void cut_curve_free(cut_curve *curve);
+/* Distance to the curve, positive to the right; the stretch nearest to q and the place on it (either may be NULL). */
+double cut_curve_distance(const cut_curve *curve, cut_point2 q, uint32_t *stretch, double *place);
+/* What distance(k q) / k tends to for large k: only the two ends' directions count, or the outside of a loop. */
+double cut_curve_far(const cut_curve *curve, cut_point2 q);
 
 #endif

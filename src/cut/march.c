@@ -181,28 +181,44 @@ static pith_status find_signs(cut_march *march, pith_error *err)
     return PITH_OK;
 }
 
-/* Vertices so near a cut point of one of their edges that the piece between could not be told from rounding get sign 0.
-   All are judged by the signs before any is changed, so that the order of tets does not matter. */
+/* Vertices this near the cut lie in it: along an edge, as a fraction of its length; square to the cut, and along an edge,
+   as a fraction of the model's diagonal. The first keeps pieces from being much smaller than what they are cut from, the
+   others keep them thicker than the rounding of positions, by eight orders of magnitude. */
+static const double snap_along = 1e-5, snap_near = 1e-8;
+
+/* Marks the corners of a crossed tet that the cut passes so closely that it should go through them. Along edges alone
+   would not do: a tet that is flat as a kite has long edges and yet can only be cut into flatter ones. */
+static void snap_corners(const cut_march *march, uint32_t tet, const cut_sign s[4], double tiny, bool *snapped)
+{
+    const uint32_t *v = march->part->tets[tet];
+    const pith_vec3 *at = march->part->positions;
+    pith_vec3 slopes[4], slope = pith_v3(0, 0, 0);
+    if (pith_barycentric_gradients(at[v[0]], at[v[1]], at[v[2]], at[v[3]], slopes))
+        for (int k = 0; k < 4; ++k) slope = pith_madd(slope, slopes[k], march->values[v[k]]);
+    const double off = tiny * pith_length(slope); /* the value at that distance from the cut */
+    for (int i = 0; i < 4; ++i) {
+        if (s[i] && fabs(march->values[v[i]]) <= off) snapped[v[i]] = true;
+        for (int j = 0; j < 4; ++j) {
+            if (s[i] * s[j] >= 0) continue;
+            const double from = crossing(march->values[v[i]], march->values[v[j]]);
+            if (from <= snap_along || from * pith_distance(at[v[i]], at[v[j]]) <= tiny) snapped[v[i]] = true;
+        }
+    }
+}
+
+/* Vertices very near the cut get sign 0. All are judged by the signs before any is changed, so that the order of tets
+   does not matter. */
 static pith_status snap_signs(cut_march *march, pith_error *err)
 {
     const pith_part *part = march->part;
-    const pith_box box = pith_box_of(part->positions, part->vertex_count);
-    const double tiny = part->vertex_count ? 1e-11 * pith_distance(box.low, box.high) : 0.0;
+    const pith_box box = pith_box_of(part->origin->positions, part->origin->vertex_count);
+    const double tiny = snap_near * pith_distance(box.low, box.high);
     bool *snapped = pith_alloc(part->vertex_count, sizeof *snapped);
     if (!snapped) return PITH_OUT_OF_MEMORY(err, "vertices to cut through");
-
     for (uint32_t t = 0; t < part->tet_count; ++t) {
         cut_sign s[4];
         cut_tet_signs(march, t, s);
-        if (!cut_crossed(s)) continue;
-        for (unsigned i = 0; i < 4; ++i)
-            for (unsigned j = 0; j < 4; ++j) {
-                if (s[i] * s[j] >= 0) continue;
-                const uint32_t a = part->tets[t][i], b = part->tets[t][j];
-                const double from_a = crossing(march->values[a], march->values[b]);
-                if (from_a <= 1e-9 || from_a * pith_distance(part->positions[a], part->positions[b]) <= tiny)
-                    snapped[a] = true;
-            }
+        if (cut_crossed(s)) snap_corners(march, t, s, tiny, snapped);
     }
     for (uint32_t i = 0; i < part->vertex_count; ++i)
         if (snapped[i]) march->signs[i] = 0;
