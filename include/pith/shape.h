@@ -109,17 +109,20 @@ typedef struct pith_polylines_view {
     const uint32_t *start;      /* [line_count + 1] into points; a line has at least two points */
     uint32_t line_count;
 } pith_polylines_view;
-pith_status pith_polylines_create(const pith_polylines_view *from, pith_polylines **lines, pith_error *err); /* copies */
+/** Copies. PITH_BAD_ARGUMENT for a line of fewer than two points or without length, or points that are not finite. */
+pith_status pith_polylines_create(const pith_polylines_view *from, pith_polylines **lines, pith_error *err);
 void pith_polylines_destroy(pith_polylines *lines);
 pith_polylines_view pith_polylines_look(const pith_polylines *lines);
 /** Writes VTP (ParaView; appended raw, double) or GLB (line strips, single precision) by extension. colours: per line,
  *  linear RGB, or NULL. */
 pith_status pith_polylines_write(const pith_polylines *lines, const float (*colours)[3], const char *path,
                                  pith_error *err);
-/** Round tubes about the lines, for pictures and printing: parallel-transported rings, closed ends. */
+/** Round tubes about the lines, for pictures and printing: parallel-transported rings, closed ends; a line that ends
+ *  where it began becomes a ring. */
 pith_status pith_polylines_tubes(const pith_polylines *lines, double radius, uint32_t sides, pith_mesh **mesh,
                                  pith_error *err);
-/** Arrow glyphs: one at each point with a vector that is not zero, `length` long for a unit vector, pointing along it. */
+/** Arrow glyphs: one from each point with a vector that is not zero, `length` long for a unit vector, pointing along it;
+ *  36 triangles each. */
 pith_status pith_glyphs(const pith_vec3 *points, const pith_vec3 *vectors, size_t count, double length,
                         pith_mesh **mesh, pith_error *err);
 

@@ -112,9 +112,44 @@ static void test_glb(void **state)
     check_foreign("glb", false);
 }
 
+/* Lines: each a mesh of segments in assimp's eyes. */
+static void test_glb_of_lines(void **state)
+{
+    (void)state;
+    const pith_vec3 points[] = { { 0, 0, 0 }, { 1, 0.5, 0.25 }, { 2, 0, 1 }, { 3, 3, 3 }, { 3, 4, 3 } };
+    const uint32_t starts[] = { 0, 3, 5 };
+    const float colours[][3] = { { 1.0f, 0.5f, 0.0f }, { 0.25f, 0.0f, 1.0f } };
+    pith_polylines *lines = NULL;
+    CHECK_OK(pith_polylines_create(&(pith_polylines_view){ points, starts, 2 }, &lines, &err));
+    char path[400];
+    snprintf(path, sizeof path, "%s/foreign_lines_%ld.glb", PITH_BINARY_DIR, (long)getpid());
+    CHECK_OK(pith_polylines_write(lines, colours, path, &err));
+    const struct aiScene *scene = aiImportFile(path, 0);
+    if (!scene) fail_msg("%s: %s", path, aiGetErrorString());
+    CHECK_NEAR(scene->mNumMeshes, 2, 0);
+    for (unsigned line = 0; line < 2; ++line) {
+        const struct aiMesh *read = scene->mMeshes[line];
+        CHECK_NEAR(read->mPrimitiveTypes, aiPrimitiveType_LINE, 0);
+        CHECK_NEAR(read->mNumFaces, starts[line + 1] - starts[line] - 1, 0);
+        for (unsigned f = 0; f < read->mNumFaces; ++f)
+            for (unsigned k = 0; k < 2; ++k) {
+                CHECK_NEAR(read->mFaces[f].mNumIndices, 2, 0);
+                const unsigned v = read->mFaces[f].mIndices[k];
+                CHECK_NEAR(pith_distance(from_ai(read->mVertices[v]), points[starts[line] + f + k]), 0.0, 1e-6);
+                const struct aiColor4D c = read->mColors[0][v];
+                CHECK_NEAR((double)c.r, (double)colours[line][0], 1e-6);
+                CHECK_NEAR((double)c.g, (double)colours[line][1], 1e-6);
+                CHECK_NEAR((double)c.b, (double)colours[line][2], 1e-6);
+            }
+    }
+    aiReleaseImport(scene);
+    remove(path);
+    pith_polylines_destroy(lines);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = { cmocka_unit_test(test_ply), cmocka_unit_test(test_obj),
-                                        cmocka_unit_test(test_glb) };
+                                        cmocka_unit_test(test_glb), cmocka_unit_test(test_glb_of_lines) };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
