@@ -7,9 +7,8 @@
  * are made by one BLAS thread (see solve_blas_enter): half the speed on two idle cores at worst, and no slower on busy
  * ones. The order of unknowns comes from METIS, which starts its random numbers from a fixed seed at every call.
  */
-#include "solve_internal.h"
+#include "cholmod_internal.h"
 
-#include <cholmod.h>
 #include <string.h>
 
 static const char *const method_words[] = { "auto", "direct", "cg", NULL };
@@ -55,7 +54,7 @@ static const double smallest_pivot = 1e-13;
 
 /* ---- direct ------------------------------------------------------------------------------------------------------ */
 
-static void start_common(cholmod_common *common, uint32_t unknowns)
+void solve_cholmod_start(cholmod_common *common, uint32_t unknowns)
 {
     cholmod_start(common);
     common->print = 0;
@@ -69,7 +68,7 @@ static void start_common(cholmod_common *common, uint32_t unknowns)
     common->postorder = 1;
 }
 
-static pith_status cholmod_failure(const cholmod_common *common, uint32_t unknowns, pith_error *err)
+pith_status solve_cholmod_failure(const cholmod_common *common, uint32_t unknowns, pith_error *err)
 {
     if (common->status == CHOLMOD_OUT_OF_MEMORY || common->status == CHOLMOD_TOO_LARGE)
         return pith_fail(err, PITH_NO_MEMORY, "the Cholesky factor of %u unknowns does not fit into memory; use "
@@ -78,7 +77,7 @@ static pith_status cholmod_failure(const cholmod_common *common, uint32_t unknow
 }
 
 /* Compressed rows of the lower triangle are compressed columns of the upper one. */
-static cholmod_sparse as_cholmod(const sparse *lower)
+cholmod_sparse solve_cholmod_view(const sparse *lower)
 {
     return (cholmod_sparse){ .nrow = lower->rows, .ncol = lower->rows, .nzmax = lower->start[lower->rows],
                              .p = lower->start, .i = lower->column, .x = lower->value, .stype = 1,
@@ -124,15 +123,15 @@ static pith_status factor_direct(pith_least_squares *system, const sparse *const
         system->normal = normal;
     }
     const uint32_t n = system->normal.rows;
-    cholmod_sparse matrix = as_cholmod(&system->normal);
+    cholmod_sparse matrix = solve_cholmod_view(&system->normal);
     if (!system->factor) system->factor = cholmod_analyze(&matrix, &system->common);
-    if (!system->factor) return cholmod_failure(&system->common, n, err);
+    if (!system->factor) return solve_cholmod_failure(&system->common, n, err);
     solve_blas_enter();
     cholmod_factorize(&matrix, system->factor, &system->common);
     solve_blas_leave();
     if (system->common.status == CHOLMOD_NOT_POSDEF)
         return singular((uint32_t)((const int *)system->factor->Perm)[system->factor->minor], n, err);
-    if (system->common.status < CHOLMOD_OK) return cholmod_failure(&system->common, n, err);
+    if (system->common.status < CHOLMOD_OK) return solve_cholmod_failure(&system->common, n, err);
     PITH_TRY(check_pivots(system->factor, &system->normal, err));
     system->factored = true;
     return PITH_OK;
@@ -168,7 +167,7 @@ static pith_status solve_direct(const pith_least_squares *system, const double *
     const uint32_t rows = system->smooth.rows > system->constrain.rows ? system->smooth.rows : system->constrain.rows;
     const size_t size = (size_t)n * count;
     cholmod_common common; /* of this call, so that two threads may solve with one factor */
-    start_common(&common, n);
+    solve_cholmod_start(&common, n);
     double *right = pith_alloc(size, sizeof *right), *sum = pith_alloc(size, sizeof *sum);
     double *scratch = pith_alloc(rows, sizeof *scratch);
     pith_status status = PITH_OK;
@@ -186,7 +185,7 @@ static pith_status solve_direct(const pith_least_squares *system, const double *
         cholmod_dense *step = cholmod_solve(CHOLMOD_A, system->factor, &rhs, &common);
         solve_blas_leave();
         if (!step) {
-            status = cholmod_failure(&common, n, err);
+            status = solve_cholmod_failure(&common, n, err);
             goto done;
         }
         for (size_t i = 0; i < size; ++i) sum[i] += ((const double *)step->x)[i];
@@ -268,7 +267,7 @@ pith_status pith_least_squares_create(const pith_sparse_view *smooth, const pith
     pith_status status = sparse_copy(smooth, "smoothness", &made->smooth, err);
     if (status == PITH_OK) status = copy_constraints(constrain, smooth->column_count, &made->constrain, err);
     if (status == PITH_OK && made->direct) {
-        start_common(&made->common, smooth->column_count);
+        solve_cholmod_start(&made->common, smooth->column_count);
         made->common_started = true;
         status = factor_direct(made, &made->constrain, err);
     } else if (status == PITH_OK) {
