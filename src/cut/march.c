@@ -15,7 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- cut points ------------------------------------------------------------------------------------------------- */
+/* ---- cut points -------------------------------------------------------------------------------------------------- */
 
 static size_t edge_slot(const cut_edges *edges, uint64_t key)
 {
@@ -97,7 +97,7 @@ void cut_march_vertex(const cut_march *march, uint32_t code, pith_vec3 *position
     *material = pith_lerp(part->material[end[0]], part->material[end[1]], t);
 }
 
-/* ---- pieces of a tet -------------------------------------------------------------------------------------------- */
+/* ---- pieces of a tet --------------------------------------------------------------------------------------------- */
 
 static void polygon_add(cut_polygon *polygon, uint32_t code)
 {
@@ -161,7 +161,7 @@ pith_status cut_march_clip(cut_march *march, uint32_t tet, unsigned k, unsigned 
     return PITH_OK;
 }
 
-/* ---- signs and active tets -------------------------------------------------------------------------------------- */
+/* ---- signs and active tets --------------------------------------------------------------------------------------- */
 
 static pith_status find_signs(cut_march *march, pith_error *err)
 {
@@ -181,9 +181,9 @@ static pith_status find_signs(cut_march *march, pith_error *err)
     return PITH_OK;
 }
 
-/* Vertices this near the cut lie in it: along an edge, as a fraction of its length; square to the cut, and along an edge,
-   as a fraction of the model's diagonal. The first keeps pieces from being much smaller than what they are cut from, the
-   others keep them thicker than the rounding of positions, by eight orders of magnitude. */
+/* Vertices this near the cut lie in it: along an edge, as a fraction of its length; square to the cut, and along an
+   edge, as a fraction of the model's diagonal. The first keeps pieces from being much smaller than what they are cut
+   from, the others keep them thicker than the rounding of positions, by eight orders of magnitude. */
 static const double snap_along = 1e-5, snap_near = 1e-8;
 
 /* Marks the corners of a crossed tet that the cut passes so closely that it should go through them. Along edges alone
@@ -260,7 +260,7 @@ static pith_status find_active(cut_march *march, pith_error *err)
     return PITH_OK;
 }
 
-/* ---- faces in the zero set -------------------------------------------------------------------------------------- */
+/* ---- faces in the zero set --------------------------------------------------------------------------------------- */
 
 typedef struct zero_side { uint32_t v[3]; uint32_t tet; uint8_t corner, side; } zero_side;
 
@@ -331,7 +331,7 @@ done:
     return status;
 }
 
-/* ---- the whole march -------------------------------------------------------------------------------------------- */
+/* ---- the whole march --------------------------------------------------------------------------------------------- */
 
 void cut_march_end(cut_march *march)
 {
@@ -364,7 +364,7 @@ failed:
     return status;
 }
 
-/* ---- cutting into shells ---------------------------------------------------------------------------------------- */
+/* ---- cutting into shells ----------------------------------------------------------------------------------------- */
 
 /* A convex polygon as a fan, its turn reversed when asked. */
 static pith_status add_polygon(cut_soup *soup, const cut_polygon *polygon, bool reverse, uint32_t source, uint8_t kind,

@@ -1,11 +1,11 @@
 /* Cutting along a drawn stroke: a scalar that is negative to the left of it and positive to the right.
 
    Source: Takayama, Okabe, Ijiri, Igarashi, "Lapped Solid Textures", SIGGRAPH 2008, section 5.1.1; Takayama's thesis,
-   section 5.3.1: radial basis functions (Turk and O'Brien 1999) over the mesh's vertices. They leave open how the RBF is
-   kept from changing its sign anywhere else, which one through a hook or an S readily does. Here it works only where it
-   is needed: the stroke, resampled and continued beyond its ends, has an exact signed distance in the plane of the
-   picture, and the RBF may correct it by less than the distance to its own centres, near the stroke alone. So the cut is
-   smooth where it is drawn, and elsewhere there is none.
+   section 5.3.1: radial basis functions (Turk and O'Brien 1999) over the mesh's vertices. They leave open how the RBF
+   is kept from changing its sign anywhere else, which one through a hook or an S readily does. Here it works only where
+   it is needed: the stroke, resampled and continued beyond its ends, has an exact signed distance in the plane of the
+   picture, and the RBF may correct it by less than the distance to its own centres, near the stroke alone. So the cut
+   is smooth where it is drawn, and elsewhere there is none.
 
    Picture coordinates are divided by depth and the value multiplied by it again: a straight stroke gives a linear
    function of space, whose zero is exactly the plane through the eye.
@@ -18,9 +18,9 @@
 #include "pith/solve.h"
 
 static const pith_param stroke_items[] = {
-    { "spacing", "of the stroke's length", "distance of the stroke's samples; more of it is smoother and rounds corners",
+    { "spacing", "of the stroke's length", "distance of its samples; more of it is smoother and rounds corners",
       PITH_PARAM_DOUBLE, 0.002, 0.02, 0.1, offsetof(pith_cut_stroke_options, spacing), NULL },
-    { "offset", "spacings", "distance of the centres beside the stroke; more of it smooths the cut farther from the stroke",
+    { "offset", "spacings", "distance of the centres beside it; more of it smooths farther from the stroke",
       PITH_PARAM_DOUBLE, 0.1, 1, 10, offsetof(pith_cut_stroke_options, offset), NULL },
     { "smoothing", "1", "of the RBF; more of it leaves out the tremble of the hand, 0 passes through the stroke",
       PITH_PARAM_DOUBLE, 0, 0, 1e3, offsetof(pith_cut_stroke_options, smoothing), NULL },
@@ -35,7 +35,7 @@ pith_cut_stroke_options pith_cut_stroke_options_default(void)
     return options;
 }
 
-/* ---- the picture -------------------------------------------------------------------------------------------------- */
+/* ---- the picture ------------------------------------------------------------------------------------------------- */
 
 /* Axes of the eye: across to the right, up, and ahead to the middle of the stroke. */
 typedef struct picture { pith_vec3 eye, across, up, ahead; } picture;
@@ -62,11 +62,11 @@ static pith_status look(const pith_cut_stroke *stroke, picture *view, cut_point2
     for (size_t i = 0; i < stroke->count; ++i) {
         const pith_vec3 p = stroke->points[i], d = pith_sub(p, stroke->eye);
         if (!pith_finite(stroke->eye) || !pith_finite(p) || !isfinite(pith_length(d)))
-            return pith_fail(err, PITH_BAD_ARGUMENT, "stroke point %zu is (%g, %g, %g) and the eye (%g, %g, %g); all must be "
-                             "finite", i, p.x, p.y, p.z, stroke->eye.x, stroke->eye.y, stroke->eye.z);
+            return pith_fail(err, PITH_BAD_ARGUMENT, "stroke point %zu is (%g, %g, %g) and the eye (%g, %g, %g); "
+                             "all must be finite", i, p.x, p.y, p.z, stroke->eye.x, stroke->eye.y, stroke->eye.z);
         if (!(pith_length(d) > 0.0))
-            return pith_fail(err, PITH_BAD_ARGUMENT, "stroke point %zu lies at the eye (%g, %g, %g); points must lie in front "
-                             "of it", i, p.x, p.y, p.z);
+            return pith_fail(err, PITH_BAD_ARGUMENT, "stroke point %zu lies at the eye (%g, %g, %g); points must lie "
+                             "in front of it", i, p.x, p.y, p.z);
         sum = pith_add(sum, pith_unit(d));
     }
     view->eye = stroke->eye;
@@ -77,8 +77,8 @@ static pith_status look(const pith_cut_stroke *stroke, picture *view, cut_point2
         double depth;
         if (project(view, stroke->points[i], &drawn[i], &depth)) continue;
         const pith_vec3 p = stroke->points[i];
-        return pith_fail(err, PITH_BAD_ARGUMENT, "stroke point %zu (%g, %g, %g) lies behind the eye as the rest of the stroke is "
-                         "seen; draw within one picture", i, p.x, p.y, p.z);
+        return pith_fail(err, PITH_BAD_ARGUMENT, "stroke point %zu (%g, %g, %g) lies behind the eye as the rest of "
+                         "the stroke is seen; draw within one picture", i, p.x, p.y, p.z);
     }
     return PITH_OK;
 }
@@ -98,7 +98,7 @@ static cut_box2 seen_box(const picture *view, const cut_origin *model)
     return box;
 }
 
-/* ---- the RBF near the stroke --------------------------------------------------------------------------------------- */
+/* ---- the RBF near the stroke ------------------------------------------------------------------------------------- */
 
 enum { EXTRA = 3 }; /* steps that the RBF goes on beyond an open end, fading out */
 
@@ -110,8 +110,8 @@ static void add_centre(centres *list, cut_point2 q, double value)
     list->values[list->count++] = value;
 }
 
-/* A centre on the curve and one to either side, as far off as the offset, or half of it, and so on, where another branch
-   of the curve is nearer. Returns how far off they are; 0 when branches are too close for any. */
+/* A centre on the curve and one to either side, as far off as the offset, or half of it, and so on, where another
+   branch of the curve is nearer. Returns how far off they are; 0 when branches are too close for any. */
 static double add_centres(centres *list, const cut_curve *curve, cut_point2 at, cut_point2 right, double offset)
 {
     add_centre(list, at, 0.0);
@@ -177,12 +177,12 @@ static double fade(double x, double inner, double outer)
     return t * t * (3.0 - 2.0 * t);
 }
 
-/* ---- values at the model's vertices -------------------------------------------------------------------------------- */
+/* ---- values at the model's vertices ------------------------------------------------------------------------------ */
 
 /* What is wanted at the model's vertices, and what the RBF may still do there. */
 typedef struct field {
     uint8_t *wanted;    /* [vertex_count] */
-    double *values;     /* [vertex_count] signed distance in the picture; of model units once it is multiplied by depth */
+    double *values;     /* [vertex_count] signed distance in the picture; at last times depth: in model units */
     float *weight;      /* [vertex_count] of the RBF's correction */
     float *limit;       /* [vertex_count] most that it may be */
 } field;
@@ -253,7 +253,7 @@ static pith_status correct(const cut_origin *model, const picture *view, const p
     return PITH_OK;
 }
 
-/* ---- from the model to the part ------------------------------------------------------------------------------------ */
+/* ---- from the model to the part ---------------------------------------------------------------------------------- */
 
 /* For every vertex of the part a tet of the model that it lies in, and which of the model's vertices are needed. */
 static void find_sources(const pith_part *part, uint32_t *source, uint8_t *wanted)
@@ -294,11 +294,11 @@ static void interpolate(const pith_part *part, const uint32_t *source, const dou
     }
 }
 
-/* ---- the whole ------------------------------------------------------------------------------------------------------- */
+/* ---- the whole --------------------------------------------------------------------------------------------------- */
 
 static pith_status stroke_field(const pith_part *part, const pith_cut_stroke *stroke,
-                                const pith_cut_stroke_options *options, const uint32_t *source, field *f, double *values,
-                                pith_error *err)
+                                const pith_cut_stroke_options *options, const uint32_t *source, field *f,
+                                double *values, pith_error *err)
 {
     picture view;
     cut_curve curve = { 0 };
@@ -331,7 +331,8 @@ pith_status pith_part_stroke_values(const pith_part *part, const pith_cut_stroke
                          !part ? "part" : !stroke ? "stroke" : !options ? "options" : "values");
     PITH_TRY(pith_params_check(&pith_cut_stroke_params, options, err));
     if (stroke->count < 2 || !stroke->points)
-        return pith_fail(err, PITH_BAD_ARGUMENT, "the stroke has %zu points; draw at least two", stroke->points ? stroke->count : 0);
+        return pith_fail(err, PITH_BAD_ARGUMENT, "the stroke has %zu points; draw at least two",
+                         stroke->points ? stroke->count : 0);
     const uint32_t count = part->origin->vertex_count;
     uint32_t *source = pith_alloc(part->vertex_count, sizeof *source);
     field f = { pith_alloc(count, sizeof *f.wanted), pith_alloc(count, sizeof *f.values),

@@ -1,4 +1,4 @@
-/* The curve of a stroke in the plane of the picture: cleaned, continued beyond its ends, and asked for signed distances.
+/* The curve of a stroke in the plane of the picture: cleaned, continued beyond its ends, asked for signed distances.
 
    The sign of a distance is that of the nearest stretch, and at a corner of the mean of the two normals that meet there
    (Bærentzen and Aanæs, "Signed distance computation using the angle weighted pseudonormal", 2005, in the plane): right
@@ -36,7 +36,7 @@ static bool meet(cut_point2 a, cut_point2 b, cut_point2 c, cut_point2 d)
            !(a_side < 0 && b_side < 0);
 }
 
-/* ---- cleaning the drawn points ------------------------------------------------------------------------------------ */
+/* ---- cleaning the drawn points ----------------------------------------------------------------------------------- */
 
 static double path_length(const cut_point2 *points, size_t count)
 {
@@ -81,7 +81,8 @@ static pith_status clean(const cut_point2 *drawn, size_t count, double spacing, 
 {
     const double drawn_length = path_length(drawn, count);
     if (!(drawn_length > 0.0 && isfinite(drawn_length)))
-        return pith_fail(err, PITH_BAD_ARGUMENT, "the stroke has no length as seen from the eye; draw it across the model");
+        return pith_fail(err, PITH_BAD_ARGUMENT, "the stroke has no length as seen from the eye; draw it across "
+                         "the model");
     cut_point2 *kept = pith_alloc(count, sizeof *kept);
     const uint32_t steps = (uint32_t)ceil(1.0 / spacing - 1e-9);
     curve->points = pith_alloc(steps + 2, sizeof *curve->points); /* one more where the ends may be joined */
@@ -93,8 +94,8 @@ static pith_status clean(const cut_point2 *drawn, size_t count, double spacing, 
     const size_t n = thin(drawn, count, 0.5 * spacing * drawn_length, kept);
     const double whole = path_length(kept, n);
     if (n < 2 || !(whole > 0.0)) {
-        status = pith_fail(err, PITH_BAD_ARGUMENT, "the stroke goes to and fro in one place as seen from the eye; draw it "
-                           "across the model");
+        status = pith_fail(err, PITH_BAD_ARGUMENT, "the stroke goes to and fro in one place as seen from the eye; "
+                           "draw it across the model");
         goto done;
     }
     curve->step = whole / steps;
@@ -111,7 +112,7 @@ done:
     return status;
 }
 
-/* ---- clipping ------------------------------------------------------------------------------------------------------ */
+/* ---- clipping ---------------------------------------------------------------------------------------------------- */
 
 /* Where the segment from a to b enters the box, as a fraction of its length; false when it stays outside. */
 static bool enters(const cut_box2 *box, cut_point2 a, cut_point2 b, double *fraction)
@@ -141,8 +142,8 @@ static void reverse(cut_point2 *points, uint32_t count)
     }
 }
 
-/* Drops what the stroke does before it first comes into the box: there it parts nothing, and how a hand starts should not
-   decide how the cut goes on. From there straight on leads away from the box for good. */
+/* Drops what the stroke does before it first comes into the box: there it parts nothing, and how a hand starts should
+   not decide how the cut goes on. From there straight on leads away from the box for good. */
 static void clip_start(cut_curve *curve, const cut_box2 *box, cut_point2 *away)
 {
     double fraction = 0.0;
@@ -172,10 +173,13 @@ static void clip(cut_curve *curve, const cut_box2 *view)
     }
 }
 
-/* ---- going on beyond the ends --------------------------------------------------------------------------------------- */
+/* ---- going on beyond the ends ------------------------------------------------------------------------------------ */
 
 static uint32_t segment_count(const cut_curve *curve) { return curve->point_count - !curve->closed; }
-static cut_point2 segment_end(const cut_curve *curve, uint32_t i) { return curve->points[(i + 1) % curve->point_count]; }
+static cut_point2 segment_end(const cut_curve *curve, uint32_t i)
+{
+    return curve->points[(i + 1) % curve->point_count];
+}
 
 static pith_status check_simple(const cut_curve *curve, pith_error *err)
 {
@@ -184,8 +188,8 @@ static pith_status check_simple(const cut_curve *curve, pith_error *err)
         for (uint32_t j = i + 2; j < n; ++j) {
             if (curve->closed && i == 0 && j == n - 1) continue; /* neighbours too */
             if (!meet(curve->points[i], segment_end(curve, i), curve->points[j], segment_end(curve, j))) continue;
-            return pith_fail(err, PITH_BAD_ARGUMENT, "the stroke crosses or touches itself, %.0f %% and %.0f %% along it, so "
-                             "that its two sides cannot be told apart; draw it without a loop, or cut twice",
+            return pith_fail(err, PITH_BAD_ARGUMENT, "the stroke crosses or touches itself, %.0f %% and %.0f %% along "
+                             "it, so that its two sides cannot be told apart; draw it without a loop, or cut twice",
                              100.0 * (i + 0.5) / n, 100.0 * (j + 0.5) / n);
         }
     return PITH_OK;
@@ -211,8 +215,8 @@ static pith_status turn_out(cut_curve *curve, unsigned end, double far, pith_err
             curve->away[end] = turned(straight, sign * degrees * (M_PI / 180.0));
             if (leads_out(curve, end, curve->away[end], far)) return PITH_OK;
         }
-    return pith_fail(err, PITH_BAD_ARGUMENT, "the stroke's %s is closed in by the stroke itself, so that the cut cannot go on "
-                     "from there; draw it out of the model or back to where it began", end ? "end" : "beginning");
+    return pith_fail(err, PITH_BAD_ARGUMENT, "the stroke's %s is closed in by the stroke itself, so that the cut cannot go "
+                     "on from there; draw it out of the model or back to where it began", end ? "end" : "beginning");
 }
 
 /* Continues an open curve. Where the two continuations meet, they are joined: a loop that was not quite closed. */
@@ -238,7 +242,7 @@ static pith_status continue_ends(cut_curve *curve, const cut_box2 *view, pith_er
     return PITH_OK;
 }
 
-/* ---- stretches -------------------------------------------------------------------------------------------------------- */
+/* ---- stretches --------------------------------------------------------------------------------------------------- */
 
 /* The normal at a joint is the mean of its two neighbours'; where the curve turns right back there is no mean, and the
    way on counts. */
@@ -296,9 +300,9 @@ void cut_curve_free(cut_curve *curve)
     *curve = (cut_curve){ 0 };
 }
 
-/* ---- distances --------------------------------------------------------------------------------------------------------- */
+/* ---- distances --------------------------------------------------------------------------------------------------- */
 
-/* The place on a stretch nearest to q, the way from there to q, and whether that is a joint (0, 2) or in between (1). */
+/* The place on a stretch nearest to q, the way from there to q, and whether that is a joint (0, 2) or between (1). */
 static int nearest_on(const cut_stretch *s, cut_point2 q, double *t, cut_point2 *way)
 {
     const double free_t = dot(minus(q, s->from), s->along);

@@ -1,13 +1,12 @@
-/* Values of a drawn stroke: planes, curves, loops, tremble, refusals. The cut is found from the values by the test itself
-   and compared with the drawn curve in closed form; sides are told by even-odd counting over a polygon. */
+/* Values of a drawn stroke: planes, curves, loops, tremble, refusals. The cut is found from the values by the test
+   itself and compared with the drawn curve in closed form; sides are told by even-odd counting over a polygon. */
 #include "bodies.h"
 
 #include <stdlib.h>
 
 enum { MOST = 4000 };
 
-/* The eye at (0, 0, 5) looks down the z axis at the cube [0,1]^3 moved to [-.5,.5]^3, or the unit ball; the picture's x and
-   y at depth 5 are the scene's. Other views are this one turned. */
+/* The eye at (0, 0, 5) looks down the z axis at the unit ball; x and y in the picture at depth 5 are the scene's. */
 typedef struct drawing { pith_vec3 points[MOST]; size_t count; } drawing;
 
 static const pith_vec3 front = { 0, 0, 5 };
@@ -82,7 +81,7 @@ static size_t check_follows(const pith_part *part, const double *values, const p
     return crossed;
 }
 
-/* ---- straight strokes ----------------------------------------------------------------------------------------------- */
+/* ---- straight strokes -------------------------------------------------------------------------------------------- */
 
 static void test_a_straight_stroke_is_the_plane_through_the_eye(void **state)
 {
@@ -134,7 +133,7 @@ static void test_positive_is_to_the_right(void **state)
     pith_part_destroy(part);
 }
 
-/* ---- curves ----------------------------------------------------------------------------------------------------------- */
+/* ---- curves ------------------------------------------------------------------------------------------------------ */
 
 /* Closes a path that leaves the ball at the bottom and the top by a frame far to the left. */
 static size_t left_frame(const drawing *d, pith_vec3 *polygon)
@@ -259,7 +258,7 @@ static void test_a_corner(void **state)
     pith_part_destroy(part);
 }
 
-/* ---- loops and hooks --------------------------------------------------------------------------------------------------- */
+/* ---- loops and hooks --------------------------------------------------------------------------------------------- */
 
 static void test_loops_closed_and_nearly_closed(void **state)
 {
@@ -309,8 +308,8 @@ static void test_a_hook(void **state)
             const pith_vec3 p = seen(v.positions[i]);
             left += values[i] < 0;
             right += values[i] > 0;
-            if (path_distance(d.points, d.count, p) > 0.02 && p.x > -0.24 && p.x < 0.2 && p.y < 0.0 && pith_length(p) < 0.23)
-                assert_true(values[i] < 0); /* within the bend: the left */
+            const bool within = p.x > -0.24 && p.x < 0.2 && p.y < 0.0 && pith_length(p) < 0.23; /* the bend: left */
+            if (within && path_distance(d.points, d.count, p) > 0.02) assert_true(values[i] < 0);
             if (p.x < -0.3 || p.y < -0.3) assert_true(values[i] > 0);
         }
         assert_true(left > 100 && right > 100);
@@ -319,7 +318,8 @@ static void test_a_hook(void **state)
                 for (int j = i + 1; j < 4; ++j) {
                     const uint32_t a = v.tets[t][i], b = v.tets[t][j];
                     if (!(values[a] * values[b] < 0.0)) continue;
-                    const pith_vec3 p = seen(pith_lerp(v.positions[a], v.positions[b], values[a] / (values[a] - values[b])));
+                    const double at = values[a] / (values[a] - values[b]);
+                    const pith_vec3 p = seen(pith_lerp(v.positions[a], v.positions[b], at));
                     const bool on = path_distance(d.points, d.count, p) < 0.02;
                     assert_true(on || p.y > tip.y - 0.03);
                 }
@@ -336,9 +336,10 @@ static void test_flourishes_outside_do_not_matter(void **state)
     pith_part *part = body_part(16, true);
     drawing *d = calloc(1, sizeof *d);
     assert_non_null(d);
-    for (int i = 0; i <= 60; ++i) draw(d, 0.3 - 0.3 * cos(i * M_PI / 60), -1.6 + 0.3 * sin(i * M_PI / 30)); /* a wriggle */
+    /* A wriggle, the cut, and a turn back. */
+    for (int i = 0; i <= 60; ++i) draw(d, 0.3 - 0.3 * cos(i * M_PI / 60), -1.6 + 0.3 * sin(i * M_PI / 30));
     for (int i = 0; i <= 200; ++i) draw(d, 0.6 - 0.6 * i / 200.0, -1.6 + 3.2 * i / 200);
-    for (int i = 0; i <= 60; ++i) draw(d, 0.4 * sin(i * M_PI / 60), 1.6 + 0.4 * (1 - cos(i * M_PI / 60))); /* turns back */
+    for (int i = 0; i <= 60; ++i) draw(d, 0.4 * sin(i * M_PI / 60), 1.6 + 0.4 * (1 - cos(i * M_PI / 60)));
     double *values = values_of(part, front, d, NULL);
     const pith_vec3 line[2] = { { 0.9, -3.2, 0 }, { -0.3, 3.2, 0 } };
     polygon[0] = line[0], polygon[1] = line[1], polygon[2] = pith_v3(-50, 3.2, 0), polygon[3] = pith_v3(-50, -3.2, 0);
@@ -348,7 +349,7 @@ static void test_flourishes_outside_do_not_matter(void **state)
     pith_part_destroy(part);
 }
 
-/* ---- cutting again ------------------------------------------------------------------------------------------------------ */
+/* ---- cutting again ----------------------------------------------------------------------------------------------- */
 
 static void test_the_same_stroke_again_changes_nothing(void **state)
 {
@@ -405,7 +406,7 @@ static void test_the_same_stroke_again_changes_nothing(void **state)
     pith_part_destroy(part);
 }
 
-/* ---- the rest ------------------------------------------------------------------------------------------------------------ */
+/* ---- the rest ---------------------------------------------------------------------------------------------------- */
 
 /* Turned, scaled and moved scenes give turned cuts; any number of threads gives the same bytes. */
 static void test_scenes_may_lie_anywhere_and_threads_do_not_matter(void **state)
@@ -423,7 +424,8 @@ static void test_scenes_may_lie_anywhere_and_threads_do_not_matter(void **state)
     const pith_tets_view v = pith_tets_look(tets);
     pith_part *part = NULL, *other = NULL;
     CHECK_OK(pith_part_whole(tets, &part, &err));
-    const pith_vec3 x = pith_unit(pith_v3(1, 2, -1)), y = pith_perpendicular(x), z = pith_cross(x, y), at = { 70, -30, 20 };
+    const pith_vec3 x = pith_unit(pith_v3(1, 2, -1)), y = pith_perpendicular(x), z = pith_cross(x, y);
+    const pith_vec3 at = { 70, -30, 20 };
     const double scale = 1e-3;
     pith_vec3 *positions = calloc(v.vertex_count, sizeof *positions);
     assert_non_null(positions);
@@ -477,8 +479,9 @@ static void test_refusals(void **state)
     const pith_vec3 back[3] = { { 0, -1, 0 }, { 0, 1, 0 }, { 0, -0.5, 0 } };
     const struct { const pith_vec3 *points; size_t count; const char *words; } bad[] = {
         { good, 1, "at least two" }, { NULL, 2, "at least two" }, { same, 3, "no length" },
-        { line_of_sight, 2, "no length" }, { at_eye, 2, "at the eye" }, { around, 3, "stroke point 2 (0, 0, 9) lies behind" },
-        { nan, 2, "stroke point 0" }, { eight, 4, "crosses or touches itself" }, { back, 3, "crosses or touches itself" },
+        { line_of_sight, 2, "no length" }, { at_eye, 2, "at the eye" },
+        { around, 3, "stroke point 2 (0, 0, 9) lies behind" }, { nan, 2, "stroke point 0" },
+        { eight, 4, "crosses or touches itself" }, { back, 3, "crosses or touches itself" },
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
         const pith_cut_stroke stroke = { front, bad[i].points, bad[i].count };
@@ -492,7 +495,8 @@ static void test_refusals(void **state)
     }
     const pith_cut_stroke spiral = { front, d.points, d.count }, fine = { front, good, 2 };
     const pith_cut_stroke blind = { { INFINITY, 0, 0 }, good, 2 };
-    CHECK_FAILS(pith_part_stroke_values(part, &spiral, &standard, values, &err), PITH_BAD_ARGUMENT, "stroke's end is closed in");
+    CHECK_FAILS(pith_part_stroke_values(part, &spiral, &standard, values, &err), PITH_BAD_ARGUMENT,
+                "stroke's end is closed in");
     CHECK_FAILS(pith_part_stroke_values(part, &blind, &standard, values, &err), PITH_BAD_ARGUMENT, "must be finite");
     odd.spacing = 0.0;
     CHECK_FAILS(pith_part_stroke_values(part, &fine, &odd, values, &err), PITH_BAD_ARGUMENT, "spacing");
