@@ -5,20 +5,11 @@
  *
  *  Patches are made a few at a time, in parallel, from seeds that lie apart; they are pasted in order, and one whose
  *  seed was covered meanwhile is thrown away. The number made at a time is fixed, so threads never change the result. */
-#include "lapped_internal.h"
-
-#include <string.h>
+#include "lapped_look.h"
 
 enum { BATCH = 4 };
 
 /* ---- pasting ---------------------------------------------------------------------------------------------------------- */
-
-/* A patch's piece in one tet, in the list of that tet. */
-typedef struct paste_node {
-    lapped_entry entry;
-    float s[4];             /* at the tet's corners */
-    uint32_t below;         /* next node of the same tet, PITH_NONE at the bottom */
-} paste_node;
 
 typedef struct fill {
     lapped_context context;
@@ -27,20 +18,18 @@ typedef struct fill {
     int seed_sample[BATCH];
     bool seeded[BATCH];
     pith_rng rng;
-    paste_node *nodes;
-    uint32_t *top;          /* [tet_count] topmost node of each tet */
-    size_t node_count, node_capacity;
+    const lapped_exemplar *exemplar;
+    lapped_stack stack;
+    lapped_seam *seam;      /* NULL when patches are neither aligned nor cut */
     uint8_t *verdicts;      /* per clump tet: what the patch does there, a lapped_verdict */
     size_t verdict_capacity;
-    lapped_patch *patches;
-    size_t patch_count, patch_capacity;
     size_t clump_tets, regrown;
 } fill;
 
 /* The patch's piece in a clump tet. */
-static paste_node piece_of(const fill *self, const lapped_workspace *work, size_t index, uint32_t patch)
+static lapped_node piece_of(const fill *self, const lapped_workspace *work, size_t index, uint32_t patch)
 {
-    paste_node piece = { .entry = { .patch = patch }, .below = PITH_NONE };
+    lapped_node piece = { .entry = { .patch = patch }, .below = PITH_NONE };
     for (int k = 0; k < 4; ++k) {
         const uint32_t local = work->corners[index][k];
         double rst[3];
@@ -53,8 +42,8 @@ static paste_node piece_of(const fill *self, const lapped_workspace *work, size_
     return piece;
 }
 
-/* What a mask does over a whole piece. */
-static lapped_verdict verdict_of(const lapped_mask *mask, const paste_node *piece)
+/* What a patch does over a whole piece. */
+static lapped_verdict verdict_of(const lapped_mask *mask, const lapped_cut *cut, const lapped_node *piece)
 {
     double low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY };
     bool whole = true;
@@ -66,17 +55,17 @@ static lapped_verdict verdict_of(const lapped_mask *mask, const paste_node *piec
         }
         whole = whole && piece->entry.fade[k];
     }
-    const lapped_verdict verdict = lapped_mask_over(mask, low, high);
+    const lapped_verdict verdict = cut ? lapped_cut_over(cut, low, high) : lapped_mask_over(mask, low, high);
     return verdict == VERDICT_OPAQUE && !whole ? VERDICT_PART : verdict;
 }
 
 /* Adds the patch's alpha to one tet's samples and says what it does there. Touches nothing but that tet. */
-static uint8_t cover_tet(fill *self, const lapped_workspace *work, size_t index)
+static uint8_t cover_tet(fill *self, const lapped_workspace *work, const lapped_patch *patch, const lapped_cut *cut,
+                         size_t index)
 {
     const uint32_t tet = work->tets[index];
-    const paste_node piece = piece_of(self, work, index, 0);
-    const lapped_mask *mask = &self->context.masks[work->seed.mask];
-    const lapped_verdict verdict = verdict_of(mask, &piece);
+    const lapped_node piece = piece_of(self, work, index, 0);
+    const lapped_verdict verdict = verdict_of(&self->context.masks[patch->mask], cut, &piece);
     if (verdict == VERDICT_NONE) return VERDICT_NONE;
     uint8_t *alpha = self->cover->alpha[tet];
     if (verdict == VERDICT_OPAQUE) {
@@ -89,12 +78,8 @@ static uint8_t cover_tet(fill *self, const lapped_workspace *work, size_t index)
     for (int i = 0; i < LAPPED_SAMPLES; ++i) {
         if (alpha[i] == 255) continue;
         const float *w = self->cover->weights[i];
-        float at[3] = { 0, 0, 0 }, fade = 0;
-        for (int k = 0; k < 4; ++k) {
-            at[0] += w[k] * piece.entry.uv[k][0], at[1] += w[k] * piece.s[k], at[2] += w[k] * piece.entry.uv[k][1];
-            fade += w[k] * (float)piece.entry.fade[k];
-        }
-        const float a = lapped_fade(fade) * lapped_mask_alpha(mask, at[0], at[1], at[2]);
+        const float a = entry_alpha(&piece.entry, patch, self->context.masks, cut, w,
+                                    entry_spot(&piece.entry, piece.s, w, 0.0f));
         const int sum = alpha[i] + (int)(255.0f * a);
         alpha[i] = (uint8_t)(sum > 255 ? 255 : sum);
         left += alpha[i] != 255;
@@ -108,31 +93,54 @@ static void copy_direction(pith_vec3 from, float to[3])
     to[0] = (float)from.x, to[1] = (float)from.y, to[2] = (float)from.z;
 }
 
-static bool add_patch(fill *self, const lapped_seed *seed)
+/* Fits the patch to what lies there, as far as the options ask for it. */
+static pith_status fit_patch(fill *self, const lapped_workspace *work, lapped_patch *patch, lapped_cut *cut,
+                             pith_error *err)
 {
-    if (!pith_grow((void **)&self->patches, &self->patch_capacity, self->patch_count + 1, sizeof *self->patches))
-        return false;
-    lapped_patch *patch = &self->patches[self->patch_count++];
-    *patch = (lapped_patch){ .mask = (uint32_t)seed->mask, .seed_tet = seed->tet };
-    memcpy(patch->offset, seed->offset, sizeof patch->offset);
-    copy_direction(seed->direction, patch->direction);
-    copy_direction(seed->second, patch->second);
-    return true;
+    const pith_lapped_options *options = self->context.options;
+    lapped_seam_look(self->seam, &self->context, &self->stack, self->exemplar, work);
+    if (options->align > 1 && options->jitter)
+        lapped_seam_align(self->seam, self->exemplar, options->align, self->context.components, &self->rng,
+                          patch->offset);
+    return cut ? lapped_seam_cut(self->seam, self->exemplar, patch->offset, cut, err) : PITH_OK;
+}
+
+/* Puts the new patch, and its cut, on the stack. */
+static pith_status add_patch(fill *self, const lapped_workspace *work, pith_error *err)
+{
+    lapped_stack *stack = &self->stack;
+    const lapped_seed *seed = &work->seed;
+    const size_t needed = stack->patch_count + 1;
+    const bool cut = self->context.options->boundary == PITH_BOUNDARY_CUT;
+    if (!pith_grow((void **)&stack->patches, &stack->patch_capacity, needed, sizeof *stack->patches) ||
+        (cut && !pith_grow((void **)&stack->cuts, &stack->cut_capacity, needed, sizeof *stack->cuts)))
+        return PITH_OUT_OF_MEMORY(err, "the patches");
+    lapped_patch patch = { .mask = (uint32_t)seed->mask, .seed_tet = seed->tet };
+    memcpy(patch.offset, seed->offset, sizeof patch.offset);
+    copy_direction(seed->direction, patch.direction);
+    copy_direction(seed->second, patch.second);
+    if (self->seam) PITH_TRY(fit_patch(self, work, &patch, cut ? &stack->cuts[stack->patch_count] : NULL, err));
+    stack->patches[stack->patch_count++] = patch;
+    return PITH_OK;
 }
 
 /* Pastes a finished patch on top of what is there. */
-static bool paste(fill *self, const lapped_workspace *work, int seed_sample)
+static pith_status paste(fill *self, const lapped_workspace *work, int seed_sample, pith_error *err)
 {
+    lapped_stack *stack = &self->stack;
     const size_t tets = work->tet_count;
-    const uint32_t patch = (uint32_t)self->patch_count;
-    if (!pith_grow((void **)&self->nodes, &self->node_capacity, self->node_count + tets, sizeof *self->nodes) ||
-        !pith_grow((void **)&self->verdicts, &self->verdict_capacity, tets, 1) || !add_patch(self, &work->seed))
-        return false;
+    const uint32_t number = (uint32_t)stack->patch_count;
+    if (!pith_grow((void **)&stack->nodes, &stack->node_capacity, stack->node_count + tets, sizeof *stack->nodes) ||
+        !pith_grow((void **)&self->verdicts, &self->verdict_capacity, tets, 1))
+        return PITH_OUT_OF_MEMORY(err, "the patches");
+    PITH_TRY(add_patch(self, work, err));
+    const lapped_patch *patch = &stack->patches[number];
+    const lapped_cut *cut = stack->cuts ? &stack->cuts[number] : NULL;
     self->clump_tets += tets;
     self->regrown += work->rounds;
 
 #pragma omp parallel for num_threads(tets > 2048 ? pith_threads() : 1) schedule(static)
-    for (size_t i = 0; i < tets; ++i) self->verdicts[i] = cover_tet(self, work, i);
+    for (size_t i = 0; i < tets; ++i) self->verdicts[i] = cover_tet(self, work, patch, cut, i);
 
     /* The mask is opaque at its centre; saying so here makes the proof that the loop ends independent of rounding. */
     lapped_coverage_force(self->cover, work->seed.tet, seed_sample);
@@ -140,13 +148,13 @@ static bool paste(fill *self, const lapped_workspace *work, int seed_sample)
         const uint32_t tet = work->tets[i];
         if (self->verdicts[i] == VERDICT_NONE) continue;
         lapped_coverage_close(self->cover, tet);
-        paste_node *node = &self->nodes[self->node_count];
-        *node = piece_of(self, work, i, patch);
+        lapped_node *node = &stack->nodes[stack->node_count];
+        *node = piece_of(self, work, i, number);
         /* What lies under an opaque patch is never seen. */
-        node->below = self->verdicts[i] == VERDICT_OPAQUE ? PITH_NONE : self->top[tet];
-        self->top[tet] = (uint32_t)self->node_count++;
+        node->below = self->verdicts[i] == VERDICT_OPAQUE ? PITH_NONE : stack->top[tet];
+        stack->top[tet] = (uint32_t)stack->node_count++;
     }
-    return true;
+    return PITH_OK;
 }
 
 /* ---- seeds ------------------------------------------------------------------------------------------------------------- */
@@ -220,56 +228,65 @@ static void draw_batch(fill *self)
 /* Gathers each tet's list, topmost first, into one array. */
 static pith_status pack_entries(const fill *self, lapped_solid *solid, pith_error *err)
 {
+    const lapped_stack *stack = &self->stack;
     const uint32_t tet_count = solid->tets.tet_count;
     solid->entry_start = pith_alloc((size_t)tet_count + 1, sizeof *solid->entry_start);
     if (!solid->entry_start) return PITH_OUT_OF_MEMORY(err, "the patches of the solid");
     size_t count = 0;
     for (uint32_t t = 0; t < tet_count; ++t) {
         solid->entry_start[t] = (uint32_t)count;
-        for (uint32_t n = self->top[t]; n != PITH_NONE; n = self->nodes[n].below) ++count;
+        for (uint32_t n = stack->top[t]; n != PITH_NONE; n = stack->nodes[n].below) ++count;
     }
     solid->entry_start[tet_count] = (uint32_t)count;
     const bool homogeneous = lapped_homogeneous(solid->options.type);
     solid->entries = pith_alloc(count, sizeof *solid->entries);
-    solid->patches = pith_alloc(self->patch_count, sizeof *solid->patches);
+    solid->patches = pith_alloc(stack->patch_count, sizeof *solid->patches);
     if (homogeneous) solid->entry_s = pith_alloc(count, sizeof *solid->entry_s);
-    if (!solid->entries || !solid->patches || (homogeneous && !solid->entry_s))
+    if (stack->cuts) solid->cuts = pith_alloc(stack->patch_count, sizeof *solid->cuts);
+    if (!solid->entries || !solid->patches || (homogeneous && !solid->entry_s) || (stack->cuts && !solid->cuts))
         return PITH_OUT_OF_MEMORY(err, "the patches of the solid");
     count = 0;
     for (uint32_t t = 0; t < tet_count; ++t)
-        for (uint32_t n = self->top[t]; n != PITH_NONE; n = self->nodes[n].below) {
-            if (homogeneous) memcpy(solid->entry_s[count], self->nodes[n].s, sizeof *solid->entry_s);
-            solid->entries[count++] = self->nodes[n].entry;
+        for (uint32_t n = stack->top[t]; n != PITH_NONE; n = stack->nodes[n].below) {
+            if (homogeneous) memcpy(solid->entry_s[count], stack->nodes[n].s, sizeof *solid->entry_s);
+            solid->entries[count++] = stack->nodes[n].entry;
         }
-    memcpy(solid->patches, self->patches, self->patch_count * sizeof *solid->patches);
-    solid->patch_count = (uint32_t)self->patch_count;
+    solid->patch_count = (uint32_t)stack->patch_count;
+    memcpy(solid->patches, stack->patches, stack->patch_count * sizeof *solid->patches);
+    if (!stack->cuts) return PITH_OK;
+    solid->cut_count = solid->patch_count;
+    memcpy(solid->cuts, stack->cuts, stack->patch_count * sizeof *solid->cuts);
     return PITH_OK;
 }
 
 /* ---- the loop ------------------------------------------------------------------------------------------------------------- */
 
 static pith_status fill_begin(fill *self, const pith_lapped_input *input, const pith_lapped_options *options,
-                              const lapped_mask *masks, pith_error *err)
+                              const lapped_solid *solid, pith_error *err)
 {
     PITH_TRY(lapped_context_make(input, options, &self->context, err));
-    self->context.masks = masks;
+    self->context.masks = solid->masks;
+    self->exemplar = &solid->exemplars[0];
     const uint32_t tet_count = self->context.tets.tet_count;
     self->cover = lapped_coverage_make(tet_count);
-    self->top = pith_alloc(tet_count, sizeof *self->top);
-    if (!self->cover || !self->top) return PITH_OUT_OF_MEMORY(err, "the coverage of the mesh");
-    memset(self->top, 0xff, tet_count * sizeof *self->top);
+    self->stack.top = pith_alloc(tet_count, sizeof *self->stack.top);
+    if (!self->cover || !self->stack.top) return PITH_OUT_OF_MEMORY(err, "the coverage of the mesh");
+    memset(self->stack.top, 0xff, tet_count * sizeof *self->stack.top);
     for (int b = 0; b < BATCH; ++b) PITH_TRY(lapped_workspace_make(&self->context, &self->work[b], err));
     self->rng = pith_rng_make(options->seed, 1);
-    return PITH_OK;
+    if (options->boundary != PITH_BOUNDARY_CUT && options->align <= 1) return PITH_OK;
+    self->seam = lapped_seam_make();
+    return self->seam ? PITH_OK : PITH_OUT_OF_MEMORY(err, "the seams of patches");
 }
 
 static void fill_end(fill *self)
 {
-    if (!self) return;
     lapped_context_free(&self->context);
     lapped_coverage_free(self->cover);
     for (int b = 0; b < BATCH; ++b) lapped_workspace_free(&self->work[b]);
-    pith_free(self->nodes), pith_free(self->top), pith_free(self->verdicts), pith_free(self->patches);
+    pith_free(self->stack.nodes), pith_free(self->stack.top), pith_free(self->stack.patches);
+    pith_free(self->stack.cuts), pith_free(self->verdicts);
+    lapped_seam_free(self->seam);
     pith_free(self);
 }
 
@@ -280,7 +297,7 @@ static pith_status fill_batch(fill *self, pith_error *err)
     draw_batch(self);
     /* Small patches are done before a second thread has come; on a busy machine waiting for it costs far more. */
     enum { SMALL_CLUMP = 1000 };
-    const int threads = self->clump_tets >= SMALL_CLUMP * self->patch_count ? pith_threads() : 1;
+    const int threads = self->clump_tets >= SMALL_CLUMP * self->stack.patch_count ? pith_threads() : 1;
 #pragma omp parallel for num_threads(threads) schedule(dynamic, 1)
     for (int b = 0; b < BATCH; ++b)
         if (self->seeded[b]) made[b] = lapped_patch_make(&self->context, &self->work[b]);
@@ -288,7 +305,7 @@ static pith_status fill_batch(fill *self, pith_error *err)
         if (!self->seeded[b]) continue;
         if (!made[b]) return PITH_OUT_OF_MEMORY(err, "a patch");
         if (self->cover->alpha[self->work[b].seed.tet][self->seed_sample[b]] == 255) continue;
-        if (!paste(self, &self->work[b], self->seed_sample[b])) return PITH_OUT_OF_MEMORY(err, "the patches");
+        PITH_TRY(paste(self, &self->work[b], self->seed_sample[b], err));
     }
     return PITH_OK;
 }
@@ -304,7 +321,7 @@ pith_status pith_solid_lapped(const pith_lapped_input *input, const pith_lapped_
     if (!self) return PITH_OUT_OF_MEMORY(err, "a fill");
     pith_status status = lapped_solid_make(input->tets, input->depth, input->exemplar, options, &made, err);
     if (status != PITH_OK) goto done;
-    PITH_TRY_OR(done, fill_begin(self, input, options, made->masks, err));
+    PITH_TRY_OR(done, fill_begin(self, input, options, made, err));
 
     const double all = self->cover->open_count;
     while (self->cover->open_count > 0) {

@@ -6,11 +6,13 @@
  *  lapped_clump.c     growing a clump round a seed, with texture coordinates carried along
  *  lapped_optimise.c  texture optimisation: least squares over a clump by conjugate gradients
  *  lapped_coverage.c  which of a tet's 165 samples are covered
+ *  lapped_seam.c      fitting a patch to what lies there: alignment, minimum cut
  *  lapped_fill.c      the loop: seeds, patches in parallel, pasting, the finished solid
  *  lapped_solid.c     a solid's life
  *  lapped_measure.c   the report
  *  lapped_gauss.c     blending that keeps the contrast
  *  lapped_paste.c     further exemplars pasted by hand on top
+ *  lapped_look.h      one patch at one point: texture coordinates, alpha, the exemplar there
  *  lapped_sample.c    asking the solid
  *  lapped_store.c     patches as bytes
  *
@@ -73,6 +75,34 @@ static inline float lapped_mask_alpha(const lapped_mask *mask, float r, float s,
     const float near = a + y * (b - a), far = d + y * (e - d), value = near + z * (far - near);
     return value >= 255.0f ? 1.0f : value * (1.0f / 255.0f);
 }
+
+/* A patch's own mask, where it was cut to fit: a bit for each cell of 32³, 1 where the patch lies. Alpha is the trilinear
+   mix of the bits, so a seam is as wide as a cell. The cells at the border of r and t are 0. */
+enum { CUT_SIZE = 32 };
+typedef struct lapped_cut { uint32_t rows[CUT_SIZE][CUT_SIZE]; } lapped_cut; /* [t][s], bit r */
+
+static inline float lapped_cut_alpha(const lapped_cut *cut, float r, float s, float t)
+{
+    if (!(r > 0.0f && r < 1.0f && t > 0.0f && t < 1.0f)) return 0.0f;
+    const float top = CUT_SIZE - 1;
+    float x = r * CUT_SIZE - 0.5f, y = s * CUT_SIZE - 0.5f, z = t * CUT_SIZE - 0.5f;
+    x = x < 0.0f ? 0.0f : x > top ? top : x;
+    y = y < 0.0f ? 0.0f : y > top ? top : y;
+    z = z < 0.0f ? 0.0f : z > top ? top : z;
+    int i = (int)x, j = (int)y, k = (int)z;
+    i -= i == CUT_SIZE - 1, j -= j == CUT_SIZE - 1, k -= k == CUT_SIZE - 1;
+    const uint32_t a = cut->rows[k][j] >> i & 3, b = cut->rows[k][j + 1] >> i & 3;
+    const uint32_t c = cut->rows[k + 1][j] >> i & 3, d = cut->rows[k + 1][j + 1] >> i & 3;
+    if ((a & b & c & d) == 3) return 1.0f;
+    if ((a | b | c | d) == 0) return 0.0f;
+    x -= (float)i, y -= (float)j, z -= (float)k;
+    static const float ends[4][2] = { { 0, 0 }, { 1, -1 }, { 0, 1 }, { 1, 0 } }; /* value at the left bit, and slope */
+    const float p = ends[a][0] + x * ends[a][1], q = ends[b][0] + x * ends[b][1];
+    const float u = ends[c][0] + x * ends[c][1], v = ends[d][0] + x * ends[d][1];
+    const float near = p + y * (q - p), far = u + y * (v - u);
+    return near + z * (far - near);
+}
+lapped_verdict lapped_cut_over(const lapped_cut *cut, const double low[3], const double high[3]);
 
 /* Where a clump had to end inside its mask, its alpha falls from 1 to 0 across the last tet: this is the fade there, from
    the linear interpolant of the vertices' 0 and 1. It falls over the middle third only: across a whole large tet the
@@ -244,6 +274,36 @@ void lapped_gauss_free(lapped_gauss *gauss);
 /* Colour and further channels at depth s from blended normal variables; [channels] both. */
 void lapped_gauss_decode(const lapped_exemplar *exemplar, float s, const float *normal, float *out);
 
+/* A patch's piece in one tet while the fill goes on, in the list of that tet. */
+typedef struct lapped_node {
+    lapped_entry entry;
+    float s[4];             /* at the tet's corners */
+    uint32_t below;         /* next node of the same tet, PITH_NONE at the bottom */
+} lapped_node;
+
+/* Everything pasted so far. */
+typedef struct lapped_stack {
+    lapped_node *nodes;
+    uint32_t *top;          /* [tet_count] topmost node of each tet */
+    lapped_patch *patches;
+    lapped_cut *cuts;       /* beside each patch, when patches are cut to fit */
+    size_t node_count, patch_count, node_capacity, patch_capacity, cut_capacity;
+} lapped_stack;
+
+/* Room for fitting one patch at a time. */
+typedef struct lapped_seam lapped_seam;
+lapped_seam *lapped_seam_make(void);    /* NULL: no memory */
+void lapped_seam_free(lapped_seam *seam);
+/* Looks at what lies under a finished patch, at the cells of its texture space. */
+void lapped_seam_look(lapped_seam *seam, const lapped_context *context, const lapped_stack *stack,
+                      const lapped_exemplar *exemplar, const lapped_workspace *work);
+/* The shift of the exemplar, of `tries`, with which the patch differs least from what lies there. */
+void lapped_seam_align(lapped_seam *seam, const lapped_exemplar *exemplar, uint32_t tries, int components, pith_rng *rng,
+                       float offset[3]);
+/* Where the patch should end: the minimum cut between what must be covered and the splotch's outline. */
+pith_status lapped_seam_cut(lapped_seam *seam, const lapped_exemplar *exemplar, const float offset[3], lapped_cut *cut,
+                            pith_error *err);
+
 typedef struct lapped_solid {
     pith_solid base;
     const pith_tets *tets_owner;
@@ -258,6 +318,8 @@ typedef struct lapped_solid {
     uint32_t exemplar_count;
     lapped_patch *patches;
     uint32_t patch_count;
+    lapped_cut *cuts;       /* beside the fill's patches when they were cut to fit, else NULL */
+    uint32_t cut_count;     /* the patches above are pastes */
     uint32_t *entry_start;  /* [tet_count + 1] */
     lapped_entry *entries;  /* topmost patch first within a tet */
     float (*entry_s)[4];    /* beside each entry: s at the tet's corners; NULL when s is the depth everywhere */

@@ -66,7 +66,8 @@ void lapped_measure(const lapped_context *context, const lapped_solid *solid, pi
         .bytes = entries * (sizeof *solid->entries + (solid->entry_s ? sizeof *solid->entry_s : 0)) +
                  ((size_t)tets + 1) * sizeof *solid->entry_start + solid->patch_count * sizeof *solid->patches +
                  (solid->depth ? solid->tets.vertex_count * sizeof *solid->depth : 0) +
-                 MASK_KINDS * sizeof *solid->masks + voxels * exemplar->channels * sizeof *exemplar->values,
+                 MASK_KINDS * sizeof *solid->masks + solid->cut_count * sizeof *solid->cuts +
+                 voxels * exemplar->channels * sizeof *exemplar->values,
     };
     measure_angles(context, solid, report);
 }

@@ -70,7 +70,9 @@ static pith_status copy_solid(const lapped_solid *from, size_t count, lapped_sol
     made->exemplars = pith_alloc(exemplars, sizeof *made->exemplars);
     made->masks = pith_alloc(masks, sizeof *made->masks);
     made->patches = pith_alloc(from->patch_count + count, sizeof *made->patches);
-    if ((from->depth && !made->depth) || !made->exemplars || !made->masks || !made->patches) {
+    if (from->cuts) made->cuts = copy_of(from->cuts, from->cut_count, sizeof *made->cuts);
+    made->cut_count = from->cut_count;
+    if ((from->depth && !made->depth) || (from->cuts && !made->cuts) || !made->exemplars || !made->masks || !made->patches) {
         status = PITH_OUT_OF_MEMORY(err, "a lapped solid");
         goto done;
     }

@@ -3,108 +3,19 @@
  *  Patches lie in a tet's list with the topmost first. Their colours are composed by "over" and the sum is divided by
  *  the weight it reached: drop-offs that only add up to opaque would otherwise let the background through. Each colour
  *  sum and the weight go through the same operations, so that an opaque exemplar gives an opacity of exactly 1. */
-#include "lapped_internal.h"
+#include "lapped_look.h"
 
-#include <string.h>
-
-typedef float v4 __attribute__((vector_size(16), aligned(4), may_alias));
-
-/* A place in a patch's own texture coordinates. */
-typedef struct spot { float r, s, t; } spot;
-
-/* Corner indices and weights of a trilinear lookup in an exemplar. */
-typedef struct cell { size_t base[4]; uint32_t left, right; float x, y, z; } cell;
-
-/* One coordinate that wraps: the lower voxel, the next one, and how far between them. */
-static inline uint32_t wrapped(float at, uint32_t size, uint32_t *next, float *fraction)
+/* The parts of an entry of the finished solid. */
+static inline spot spot_of(const lapped_solid *self, uint32_t index, const float w[4], float depth)
 {
-    at -= floorf(at);
-    float x = at * (float)size - 0.5f;
-    x += x < 0.0f ? (float)size : 0.0f;
-    uint32_t i = (uint32_t)x;
-    *fraction = x - (float)i;
-    if (i >= size) i = 0;
-    *next = i + 1 == size ? 0 : i + 1;
-    return i;
+    return entry_spot(&self->entries[index], self->entry_s ? self->entry_s[index] : NULL, w, depth);
 }
 
-static inline uint32_t clamped(float at, uint32_t size, uint32_t *next, float *fraction)
-{
-    const float top = (float)(size - 1);
-    float x = at * (float)size - 0.5f;
-    x = x < 0.0f ? 0.0f : x > top ? top : x;
-    const uint32_t i = (uint32_t)x;
-    *fraction = x - (float)i;
-    *next = i + 1 < size ? i + 1 : i;
-    return i;
-}
-
-/* Where a patch looks its exemplar up: r and t wrap, s is clamped unless the exemplar wraps there too. */
-static cell exemplar_cell(const lapped_exemplar *exemplar, const lapped_patch *patch, spot at)
-{
-    const uint32_t nr = exemplar->size[0], ns = exemplar->size[1], nt = exemplar->size[2];
-    cell found;
-    uint32_t j1, k1;
-    const uint32_t j = exemplar->wraps ? wrapped(at.s + patch->offset[2], ns, &j1, &found.y)
-                                       : clamped(at.s, ns, &j1, &found.y);
-    const uint32_t k = wrapped(at.t + patch->offset[1], nt, &k1, &found.z);
-    found.left = wrapped(at.r + patch->offset[0], nr, &found.right, &found.x);
-    found.base[0] = ((size_t)k * ns + j) * nr, found.base[1] = ((size_t)k * ns + j1) * nr;
-    found.base[2] = ((size_t)k1 * ns + j) * nr, found.base[3] = ((size_t)k1 * ns + j1) * nr;
-    return found;
-}
-
-/* The first four channels of values laid out as the exemplar's; lerps as a + x (b - a), so that constants stay exactly constant. */
-static inline v4 exemplar_colour(const float *values, uint32_t channels, const cell *at)
-{
-    v4 rows[4];
-    for (int k = 0; k < 4; ++k) {
-        const v4 a = *(const v4 *)(values + (at->base[k] + at->left) * channels);
-        const v4 b = *(const v4 *)(values + (at->base[k] + at->right) * channels);
-        rows[k] = a + at->x * (b - a);
-    }
-    const v4 near = rows[0] + at->y * (rows[1] - rows[0]), far = rows[2] + at->y * (rows[3] - rows[2]);
-    return near + at->z * (far - near);
-}
-
-static float exemplar_channel(const float *values, uint32_t channels, const cell *at, uint32_t channel)
-{
-    values += channel;
-    float row[4];
-    for (int k = 0; k < 4; ++k) {
-        const float a = values[(at->base[k] + at->left) * channels], b = values[(at->base[k] + at->right) * channels];
-        row[k] = a + at->x * (b - a);
-    }
-    const float near = row[0] + at->y * (row[1] - row[0]), far = row[2] + at->y * (row[3] - row[2]);
-    return near + at->z * (far - near);
-}
-
-/* ---- one patch at one point ------------------------------------------------------------------------------------------- */
-
-static inline float mix(const float w[4], const float v[4]) { return w[0] * v[0] + w[1] * v[1] + w[2] * v[2] + w[3] * v[3]; }
-
-/* Texture coordinates of an entry; depth: the depth field there, which is s where entries have none of their own. */
-static inline spot entry_spot(const lapped_solid *self, uint32_t index, const float w[4], float depth)
+static inline float alpha_of(const lapped_solid *self, uint32_t index, const float w[4], spot at)
 {
     const lapped_entry *entry = &self->entries[index];
-    spot at;
-    at.r = w[0] * entry->uv[0][0] + w[1] * entry->uv[1][0] + w[2] * entry->uv[2][0] + w[3] * entry->uv[3][0];
-    at.t = w[0] * entry->uv[0][1] + w[1] * entry->uv[1][1] + w[2] * entry->uv[2][1] + w[3] * entry->uv[3][1];
-    at.s = self->entry_s ? mix(w, self->entry_s[index]) : depth;
-    return at;
-}
-
-/* Alpha of an entry at a point: its mask, faded where the clump had to end inside the mask. */
-static inline float entry_alpha(const lapped_solid *self, uint32_t index, const float w[4], spot at)
-{
-    const lapped_entry *entry = &self->entries[index];
-    const lapped_patch *patch = &self->patches[entry->patch];
-    if (patch->exemplar > 0 && !(at.s > 0.0f && at.s < 1.0f)) return 0.0f; /* a pasted cube ends along s too */
-    const float alpha = lapped_mask_alpha(&self->masks[patch->mask], at.r, at.s, at.t);
-    static const uint8_t whole[4] = { 1, 1, 1, 1 };
-    if (alpha == 0.0f || memcmp(entry->fade, whole, 4) == 0) return alpha;
-    return alpha * lapped_fade(w[0] * (float)entry->fade[0] + w[1] * (float)entry->fade[1] +
-                               w[2] * (float)entry->fade[2] + w[3] * (float)entry->fade[3]);
+    const lapped_cut *cut = entry->patch < self->cut_count ? &self->cuts[entry->patch] : NULL;
+    return entry_alpha(entry, &self->patches[entry->patch], self->masks, cut, w, at);
 }
 
 static float depth_at(const lapped_solid *self, uint32_t tet, const double weights[4])
@@ -124,7 +35,7 @@ static uint32_t nearest_entry(const lapped_solid *self, uint32_t tet, const floa
     float least = INFINITY;
     for (uint32_t e = self->entry_start[tet]; e < self->entry_start[tet + 1]; ++e) {
         if (self->patches[self->entries[e].patch].exemplar > 0) continue;
-        const spot at = entry_spot(self, e, w, depth);
+        const spot at = spot_of(self, e, w, depth);
         float distance = fmaxf(fabsf(at.r - 0.5f), fabsf(at.t - 0.5f));
         if (!self->depth) distance = fmaxf(distance, fabsf(at.s - 0.5f));
         if (!(distance >= least)) least = distance, best = e;
@@ -198,7 +109,7 @@ static void extras_below(const lapped_solid *self, uint32_t tet, const float w[4
     const uint32_t entry = nearest_entry(self, tet, w, depth);
     const lapped_exemplar *exemplar = &self->exemplars[0];
     const lapped_patch *patch = &self->patches[self->entries[entry].patch];
-    const cell found = exemplar_cell(exemplar, patch, entry_spot(self, entry, w, depth));
+    const cell found = exemplar_cell(exemplar, patch, spot_of(self, entry, w, depth));
     for (uint32_t c = 4; c < self->base.channels; ++c)
         out[c] = exemplar_channel(exemplar->values, exemplar->channels, &found, c);
 }
@@ -212,8 +123,8 @@ static inline void gather_all(const lapped_solid *self, uint32_t tet, const floa
     normal_sum normal;
     if (normals) memset(&normal, 0, offsetof(normal_sum, values) + self->base.channels * sizeof(float));
     for (uint32_t e = begin; e < end && sum->through > 0.0f; ++e) {
-        const spot at = entry_spot(self, e, w, depth);
-        const float alpha = entry_alpha(self, e, w, at);
+        const spot at = spot_of(self, e, w, depth);
+        const float alpha = alpha_of(self, e, w, at);
         if (!(alpha > 0.0f)) continue;
         if (normals && self->patches[self->entries[e].patch].exemplar == 0)
             gather_normal(self, e, at, alpha, sum, &normal);
@@ -232,7 +143,7 @@ static void compose(const lapped_solid *self, uint32_t tet, const double weights
     gather_all(self, tet, w, depth, &sum, out);
     if (!(sum.weight > 0.0f)) {
         const uint32_t e = nearest_entry(self, tet, w, depth);
-        gather(self, e, entry_spot(self, e, w, depth), 1.0f, &sum, out);
+        gather(self, e, spot_of(self, e, w, depth), 1.0f, &sum, out);
     }
     if (sum.weight != 1.0f)
         for (uint32_t c = 0; c < 4; ++c) out[c] /= sum.weight;
@@ -283,7 +194,7 @@ static float greatest_share(const lapped_solid *self, uint32_t tet, const float 
 {
     float through = 1.0f, weight = 0.0f, most = 0.0f;
     for (uint32_t e = self->entry_start[tet]; e < self->entry_start[tet + 1] && through > 0.0f; ++e) {
-        const float factor = through * entry_alpha(self, e, w, entry_spot(self, e, w, depth));
+        const float factor = through * alpha_of(self, e, w, spot_of(self, e, w, depth));
         through -= factor;
         weight += factor;
         most = fmaxf(most, factor);
@@ -342,8 +253,8 @@ pith_status pith_lapped_contrast(const pith_solid *solid, size_t samples, uint64
 static uint32_t topmost(const lapped_solid *self, uint32_t tet, const float w[4], float depth)
 {
     for (uint32_t e = self->entry_start[tet]; e < self->entry_start[tet + 1]; ++e) {
-        const spot at = entry_spot(self, e, w, depth);
-        if (!(entry_alpha(self, e, w, at) > 0.0f)) continue;
+        const spot at = spot_of(self, e, w, depth);
+        if (!(alpha_of(self, e, w, at) > 0.0f)) continue;
         const lapped_patch *patch = &self->patches[self->entries[e].patch];
         if (patch->exemplar == 0) return e;
         const lapped_exemplar *exemplar = &self->exemplars[patch->exemplar];
@@ -376,7 +287,7 @@ pith_status pith_lapped_texture(const pith_solid *solid, const pith_query *query
             double s = 0.0; /* the depth in double, as the field has it */
             for (int k = 0; k < 4 && self->depth; ++k) s += weights[i][k] * self->depth[self->tets.tets[tets[i]][k]];
             const uint32_t top = topmost(self, tets[i], w, (float)s);
-            const spot at = entry_spot(self, top, w, (float)s);
+            const spot at = spot_of(self, top, w, (float)s);
             rst[first + i][0] = (double)at.r, rst[first + i][1] = self->entry_s ? (double)at.s : s;
             rst[first + i][2] = (double)at.t;
             patch[first + i] = self->entries[top].patch;

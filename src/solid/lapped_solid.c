@@ -64,6 +64,7 @@ void lapped_destroy(pith_solid *solid)
     }
     pith_free(self->exemplars);
     pith_free(self->patches);
+    pith_free(self->cuts);
     pith_free(self->entry_start);
     pith_free(self->entries);
     pith_free(self->entry_s);

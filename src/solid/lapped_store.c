@@ -12,13 +12,15 @@ typedef struct store_header {
     char magic[8];
     uint32_t vertex_count, tet_count, patch_count, entry_count;
     uint32_t option_count, own_s;   /* own_s: entries have texture coordinates s of their own */
+    uint32_t cut_count, reserved;
 } store_header;
 
 static size_t store_size(const store_header *header)
 {
     const size_t entry = sizeof(lapped_entry) + (header->own_s ? 4 * sizeof(float) : 0);
     return sizeof *header + header->option_count * sizeof(double) + header->patch_count * sizeof(lapped_patch) +
-           ((size_t)header->tet_count + 1) * sizeof(uint32_t) + header->entry_count * entry;
+           header->cut_count * sizeof(lapped_cut) + ((size_t)header->tet_count + 1) * sizeof(uint32_t) +
+           header->entry_count * entry;
 }
 
 pith_status pith_lapped_save(const pith_solid *solid, unsigned char **bytes, size_t *size, pith_error *err)
@@ -31,7 +33,7 @@ pith_status pith_lapped_save(const pith_solid *solid, unsigned char **bytes, siz
     store_header header = { .vertex_count = self->tets.vertex_count, .tet_count = self->tets.tet_count,
                             .patch_count = self->patch_count, .entry_count = self->entry_start[self->tets.tet_count],
                             .option_count = (uint32_t)pith_lapped_params.count,
-                            .own_s = self->entry_s != NULL };
+                            .own_s = self->entry_s != NULL, .cut_count = self->cut_count };
     memcpy(header.magic, magic, sizeof magic);
     const size_t total = store_size(&header);
     unsigned char *buffer = pith_alloc(total, 1), *at = buffer;
@@ -43,6 +45,8 @@ pith_status pith_lapped_save(const pith_solid *solid, unsigned char **bytes, siz
     }
     memcpy(at, self->patches, header.patch_count * sizeof *self->patches);
     at += header.patch_count * sizeof *self->patches;
+    if (self->cuts) memcpy(at, self->cuts, header.cut_count * sizeof *self->cuts);
+    at += header.cut_count * sizeof *self->cuts;
     memcpy(at, self->entry_start, ((size_t)header.tet_count + 1) * sizeof *self->entry_start);
     at += ((size_t)header.tet_count + 1) * sizeof *self->entry_start;
     memcpy(at, self->entries, header.entry_count * sizeof *self->entries);
@@ -83,11 +87,17 @@ static pith_status read_arrays(const store_header *header, const unsigned char *
     self->patches = pith_alloc(header->patch_count, sizeof *self->patches);
     self->entry_start = pith_alloc((size_t)header->tet_count + 1, sizeof *self->entry_start);
     self->entries = pith_alloc(header->entry_count, sizeof *self->entries);
+    if (header->cut_count) self->cuts = pith_alloc(header->cut_count, sizeof *self->cuts);
     if (header->own_s) self->entry_s = pith_alloc(header->entry_count, sizeof *self->entry_s);
-    if (!self->patches || !self->entry_start || !self->entries || (header->own_s && !self->entry_s)) return PITH_OUT_OF_MEMORY(err, "the saved patches");
+    if (!self->patches || !self->entry_start || !self->entries || (header->own_s && !self->entry_s) ||
+        (header->cut_count && !self->cuts))
+        return PITH_OUT_OF_MEMORY(err, "the saved patches");
     self->patch_count = header->patch_count;
     memcpy(self->patches, at, header->patch_count * sizeof *self->patches);
     at += header->patch_count * sizeof *self->patches;
+    self->cut_count = header->cut_count;
+    if (self->cuts) memcpy(self->cuts, at, header->cut_count * sizeof *self->cuts);
+    at += header->cut_count * sizeof *self->cuts;
     memcpy(self->entry_start, at, ((size_t)header->tet_count + 1) * sizeof *self->entry_start);
     at += ((size_t)header->tet_count + 1) * sizeof *self->entry_start;
     memcpy(self->entries, at, header->entry_count * sizeof *self->entries);
@@ -126,6 +136,9 @@ pith_status pith_lapped_load(const void *bytes, size_t size, const pith_tets *te
     }
     if (lapped_homogeneous(options.type) != (header.own_s != 0))
         return pith_fail(err, PITH_BAD_FILE, "saved patches: their coordinates do not fit their type");
+    if (header.cut_count != (options.boundary == PITH_BOUNDARY_CUT ? header.patch_count : 0))
+        return pith_fail(err, PITH_BAD_FILE, "saved patches: %u of %u have an outline of their own", header.cut_count,
+                         header.patch_count);
     if (!depth && !lapped_homogeneous(options.type))
         return pith_fail(err, PITH_BAD_ARGUMENT, "pith_lapped_load: patches of this type need the depth field");
     lapped_solid *self;
