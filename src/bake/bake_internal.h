@@ -1,29 +1,24 @@
-/* What the files of the bake room share: a surface whose triangles are being divided. */
+/* What the files of the bake room share: questions about corners of a shell. */
 #ifndef PITH_BAKE_INTERNAL_H
 #define PITH_BAKE_INTERNAL_H
 
 #include "pith/bake.h"
 
-/* One corner of a triangle: its normal, and where in the shell's triangle it lies, as (1-u-v) a + u b + v c. */
-typedef struct bake_corner { pith_vec3 normal; double u, v; } bake_corner;
+/* Corners of a shell's triangles at which a solid is to be asked. */
+typedef struct bake_corners {
+    const pith_shell *shell;
+    const pith_solid *solid;
+    const uint32_t *corners;        /* [count] 3 * triangle + corner */
+    const pith_vec3 *normals;       /* [count] */
+    uint32_t count;
+    float footprint;                /* model units */
+} bake_corners;
 
-typedef struct bake_triangle {
-    uint32_t vertices[3];
-    uint32_t parent;        /* triangle of the shell */
-    bake_corner corners[3];
-} bake_triangle;
+/* Gets the answers to corners first .. first + count - 1, [count][channels]. */
+typedef void bake_take(void *user, size_t first, size_t count, const float *answers, uint32_t channels);
 
-typedef struct bake_surface {
-    pith_vec3 *positions, *material;    /* [vertex_count] */
-    size_t vertex_count, vertex_capacity, material_capacity;
-    bake_triangle *triangles;           /* [triangle_count] */
-    size_t triangle_count;
-} bake_surface;
-
-pith_status bake_surface_make(const pith_shell *shell, bake_surface *surface, pith_error *err);
-void bake_surface_free(bake_surface *surface);
-/* Divides triangles until no edge is longer than `edge`, at most into max_triangles. */
-pith_status bake_surface_refine(bake_surface *surface, double edge, uint32_t max_triangles,
-                                const pith_progress *progress, pith_error *err);
+/* Asks stretch by stretch, telling the solid in which tet each corner lies. */
+pith_status bake_ask_corners(const bake_corners *corners, const pith_progress *progress, bake_take *take, void *user,
+                             pith_error *err);
 
 #endif

@@ -6,20 +6,14 @@
    after a cut is arbitrary, does not show. */
 #include "cut_internal.h"
 
-typedef struct corners {
-    uint32_t *first;    /* [vertex_count + 1] */
-    uint32_t *items;    /* [3 * triangle_count] 3 * triangle + corner, grouped by vertex */
-    pith_vec3 *facets;  /* [triangle_count] unit; zero where the triangle is too thin to have a normal */
-} corners;
-
-static void corners_free(corners *c)
+void cut_corners_free(cut_corners *c)
 {
     pith_free(c->first);
     pith_free(c->items);
     pith_free(c->facets);
 }
 
-static pith_status corners_make(const pith_shell *shell, corners *c, pith_error *err)
+pith_status cut_corners_make(const pith_shell *shell, cut_corners *c, pith_error *err)
 {
     c->first = pith_alloc((size_t)shell->vertex_count + 2, sizeof *c->first);
     c->items = pith_alloc(shell->triangle_count, 3 * sizeof *c->items);
@@ -44,7 +38,7 @@ static pith_status corners_make(const pith_shell *shell, corners *c, pith_error 
     return PITH_OK;
 }
 
-static double angle_at(const pith_shell *shell, uint32_t corner)
+double cut_corner_angle(const pith_shell *shell, uint32_t corner)
 {
     const uint32_t *v = shell->triangles[corner / 3], k = corner % 3;
     const pith_vec3 p = shell->positions[v[k]];
@@ -60,8 +54,8 @@ pith_status pith_shell_normals(const pith_shell *shell, double crease, pith_vec3
     if (!(crease >= 0.0 && crease <= 180.0))
         return pith_fail(err, PITH_BAD_ARGUMENT, "crease is %g degrees, expected 0 to 180", crease);
     pith_status status = PITH_OK;
-    corners c = { 0 };
-    PITH_TRY_OR(done, corners_make(shell, &c, err));
+    cut_corners c = { 0 };
+    PITH_TRY_OR(done, cut_corners_make(shell, &c, err));
 
     const double turn = cos(crease * (M_PI / 180.0));
 #pragma omp parallel for num_threads(pith_threads()) schedule(static) if (shell->triangle_count > 4096)
@@ -74,12 +68,12 @@ pith_status pith_shell_normals(const pith_shell *shell, double crease, pith_vec3
             const uint32_t other = c.items[j] / 3;
             if (shell->kinds[other] != shell->kinds[triangle]) continue;
             if (flat && !(pith_dot(own, c.facets[other]) >= turn) && other != triangle) continue;
-            sum = pith_madd(sum, c.facets[other], angle_at(shell, c.items[j]));
+            sum = pith_madd(sum, c.facets[other], cut_corner_angle(shell, c.items[j]));
         }
         sum = pith_unit(sum);
         normals[triangle][corner % 3] = pith_dot(sum, sum) > 0.0 ? sum : flat ? own : pith_v3(0, 0, 1);
     }
 done:
-    corners_free(&c);
+    cut_corners_free(&c);
     return status;
 }

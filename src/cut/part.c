@@ -152,6 +152,7 @@ void pith_shell_destroy(pith_shell *shell)
     pith_free(shell->triangles);
     pith_free(shell->source_tet);
     pith_free(shell->kinds);
+    pith_free(shell->guides);
     pith_free(shell);
 }
 
@@ -171,8 +172,8 @@ pith_status cut_soup_add(cut_soup *soup, const cut_triangle *triangle, pith_erro
     return PITH_OK;
 }
 
-static pith_status shell_new(cut_origin *origin, uint32_t vertex_count, uint32_t triangle_count, pith_shell **shell,
-                             pith_error *err)
+pith_status cut_shell_new(cut_origin *origin, uint32_t vertex_count, uint32_t triangle_count, pith_shell **shell,
+                          pith_error *err)
 {
     pith_shell *s = pith_alloc(1, sizeof *s);
     if (!s) return PITH_OUT_OF_MEMORY(err, "a shell");
@@ -216,7 +217,7 @@ pith_status cut_shell_make(const pith_part *part, const cut_march *march, const 
             code_of[vertex_count] = code;
             number[code] = ++vertex_count;
         }
-    PITH_TRY_OR(done, shell_new(part->origin, vertex_count, (uint32_t)soup->count, &s, err));
+    PITH_TRY_OR(done, cut_shell_new(part->origin, vertex_count, (uint32_t)soup->count, &s, err));
     for (uint32_t i = 0; i < vertex_count; ++i) {
         if (code_of[i] < part->vertex_count) {
             s->positions[i] = part->positions[code_of[i]];
