@@ -69,13 +69,13 @@ pith_status pith_pinned_solve(pith_pinned *system, const double *b, uint32_t cou
 /* ---- minimum cuts -------------------------------------------------------------------------------------------------- */
 
 /** Minimum cut of a 3D grid graph (6 neighbours): labels [z][y][x] become 1 on the source's side, 0 on the sink's.
- *  to_source and to_sink [cells]: capacities of each cell's terminal edges (>= 0, INFINITY ties the cell); along [3][cells]:
- *  capacity (both ways, finite) of the edge from a cell to its neighbour ahead along x, y, z; entries at the far border
- *  are ignored. Capacities are scaled to integers inside (31 bits over the greatest edge, by a power of two), so the cut
- *  is the minimum for the rounded ones, exactly and everywhere the same; integers below 2^24 are not rounded. Of several
- *  minima it is always the same one. cut: what the labels cut, in the caller's units; may be NULL. Goldberg and Tarjan
- *  1988. PITH_BAD_ARGUMENT: negative or NaN capacities, a cell tied to both, no cells or above 2^24. Measured, one thread:
- *  32³ cells with a free band 2 to 3 ms, all free with noisy costs 20 ms; 16³ 0.3 and 1.5 ms. */
+ *  to_source and to_sink [cells]: capacities of each cell's terminal edges (>= 0, INFINITY ties the cell); along
+ *  [3][cells]: capacity (both ways, finite) of the edge from a cell to its neighbour ahead along x, y, z; entries at the
+ *  far border are ignored. Capacities are scaled to integers inside (31 bits over the greatest edge, by a power of two),
+ *  so the cut is the minimum for the rounded ones, exactly and everywhere the same; integers below 2^24 are not rounded.
+ *  Of several minima it is always the same one. cut: what the labels cut, in the caller's units; may be NULL. Goldberg
+ *  and Tarjan 1988. PITH_BAD_ARGUMENT: negative or NaN capacities, a cell tied to both, no cells or above 2^24.
+ *  Measured, one thread: 32³ cells with a free band 2 to 3 ms, all free with noisy costs 20 ms; 16³ 0.3 and 1.5 ms. */
 pith_status pith_grid_min_cut(const uint32_t size[3], const float *to_source, const float *to_sink, const float *along,
                               uint8_t *labels, double *cut, pith_error *err);
 

@@ -1,17 +1,18 @@
 /* Minimum cuts of grid graphs by push and relabel.
 
    Source: Goldberg, Tarjan, "A new approach to the maximum-flow problem", Journal of the ACM 35(4), 1988, first phase
-   only: a preflow is enough for the cut. Active cells are taken first in, first out; now and then levels are set anew to
-   the true distances from the sink, by breadth-first search (Cherkassky, Goldberg, "On implementing the push-relabel
+   only: a preflow is enough for the cut. Active cells are taken first in, first out; now and then levels are set anew
+   to the true distances from the sink, by breadth-first search (Cherkassky, Goldberg, "On implementing the push-relabel
    method for the maximum flow problem", Algorithmica 19(4), 1997).
 
    Why not Boykov and Kolmogorov 2004, the usual choice for texture seams: measured on 32^3 cells with noisy costs, its
-   trees broke at nearly every path (360 ms and, with breadth-first trees, 270 ms, where this takes 20), on a band between
-   a ball and a shell it took 4 ms where this takes 2.5, and nowhere was it much faster.
+   trees broke at nearly every path (360 ms and, with breadth-first trees, 270 ms, where this takes 20), on a band
+   between a ball and a shell it took 4 ms where this takes 2.5, and nowhere was it much faster.
 
    Three things are ours. Flow starts at the side with less capacity, the other one's terminals being the sink: what
-   cannot arrive costs most, and there is less of it. Tied cells never become nodes: an edge to one is a terminal edge of its other end. And nodes lie
-   in a grid with a border of cells without capacity, so that a neighbour is an offset and needs no test. */
+   cannot arrive costs most, and there is less of it. Tied cells never become nodes: an edge to one is a terminal edge
+   of its other end. And nodes lie in a grid with a border of cells without capacity, so that a neighbour is an
+   offset and needs no test. */
 #include "pith/solve.h"
 
 enum { SIDES = 6 };                 /* directions +x -x +y -y +z -z; d ^ 1 is the way back */
@@ -290,7 +291,11 @@ pith_status pith_grid_min_cut(const uint32_t size[3], const float *to_source, co
 {
     if (!size || !to_source || !to_sink || !along || !labels)
         return pith_fail(err, PITH_BAD_ARGUMENT, "pith_grid_min_cut: %s is NULL",
-                         !size ? "size" : !to_source ? "to_source" : !to_sink ? "to_sink" : !along ? "along" : "labels");
+                         !size        ? "size"
+                         : !to_source ? "to_source"
+                         : !to_sink   ? "to_sink"
+                         : !along     ? "along"
+                                      : "labels");
     if (!size[0] || !size[1] || !size[2] || (double)size[0] * size[1] * size[2] > (double)most_cells)
         return pith_fail(err, PITH_BAD_ARGUMENT,
                          "pith_grid_min_cut: %u x %u x %u cells cannot be cut; give at least 1 along each axis and at "

@@ -94,7 +94,7 @@ static void fill(problem *p, enum style style, uint64_t seed)
     }
 }
 
-/* ---- a second opinion: Edmonds and Karp on an explicit graph with two terminals -------------------------------------- */
+/* ---- a second opinion: Edmonds and Karp on an explicit graph with two terminals ---------------------------------- */
 
 typedef struct arc { uint32_t to; double left; } arc; /* arc k ^ 1 is the way back */
 typedef struct network {
@@ -172,7 +172,8 @@ static double max_flow(const problem *p)
 static void the_least_of_all_labelings(void **state)
 {
     (void)state;
-    static const uint32_t sizes[][3] = { { 1, 1, 1 }, { 2, 2, 2 }, { 3, 2, 2 }, { 1, 4, 3 }, { 12, 1, 1 }, { 1, 1, 11 } };
+    static const uint32_t sizes[][3] = { { 1, 1, 1 }, { 2, 2, 2 },  { 3, 2, 2 },
+                                         { 1, 4, 3 }, { 12, 1, 1 }, { 1, 1, 11 } };
     for (size_t s = 0; s < sizeof sizes / sizeof *sizes; ++s)
         for (uint64_t seed = 0; seed < 60; ++seed) {
             problem p = problem_make(sizes[s][0], sizes[s][1], sizes[s][2]);
