@@ -205,7 +205,7 @@ pith_directions pith_directions_of_tets(const pith_tets_directions *borrowed);
 pith_directions pith_directions_of_volume(const pith_volume_field *borrowed); /* zero outside the inner voxels */
 
 typedef struct pith_streamline_options {
-    double spacing;         /* distance between lines, as a fraction of the box's diagonal */
+    double spacing;         /* distance between lines, as a fraction of the diagonal of the candidates' box */
     double stop_spacing;    /* a line ends where it comes nearer to another than this many spacings */
     double step_error;      /* of one integration step, as a fraction of the spacing */
     double longest, shortest; /* length of a line, as fractions of the diagonal; shorter ones are dropped */
@@ -218,8 +218,11 @@ pith_streamline_options pith_streamline_options_default(void);
 /** Evenly spaced streamlines (Jobard and Lefer 1997, in space): seeds are taken beside lines that there are and from
  *  `candidates`, integration both ways by an embedded Runge-Kutta pair (Bogacki and Shampine 1989) with adaptive step.
  *  Lines end where the field is zero or turns back on itself, at the border of the domain (to a thousandth of the
- *  spacing), or where they close. Candidates are tried in the order given. Deterministic.
- *  PITH_BAD_ARGUMENT: no candidate, or the field is zero at all of them. */
+ *  spacing), beside themselves, or where they close (then the last point is the first). They run with the field, but only
+ *  its direction counts. Candidates are tried in the order given; they should lie all over the body, as their box is
+ *  what lengths are fractions of. Deterministic. 1 300 lines of 80 000 points in 16 000 tetrahedra: 0.2 s.
+ *  PITH_BAD_ARGUMENT: no candidate, candidates all in one place, the field is zero at all of them, every line is too
+ *  short. */
 pith_status pith_streamlines(const pith_directions *field, const pith_vec3 *candidates, size_t count,
                              const pith_streamline_options *options, const pith_progress *progress,
                              pith_polylines **lines, pith_error *err);
