@@ -198,7 +198,7 @@ static void field_free(field *f)
 /* Signed distances in the picture. Where the eye does not see, what the distance tends to, which needs no depth. */
 static void measure_distances(const cut_origin *model, const picture *view, const cut_curve *curve, field *f)
 {
-#pragma omp parallel for num_threads(pith_threads()) schedule(dynamic, 1024)
+#pragma omp parallel for num_threads(pith_threads()) schedule(dynamic, 1024) if (model->vertex_count > 4096)
     for (uint32_t i = 0; i < model->vertex_count; ++i) {
         if (!f->wanted[i]) continue;
         cut_point2 q;
@@ -275,7 +275,7 @@ static void interpolate(const pith_part *part, const uint32_t *source, const dou
     const pith_vec3 *at = part->origin->positions;
     const pith_box box = pith_box_of(at, part->origin->vertex_count);
     const double nothing = 1e-12 * pith_distance(box.low, box.high);
-#pragma omp parallel for num_threads(pith_threads()) schedule(static)
+#pragma omp parallel for num_threads(pith_threads()) schedule(static) if (part->vertex_count > 4096)
     for (uint32_t i = 0; i < part->vertex_count; ++i) {
         values[i] = 0.0;
         if (source[i] == PITH_NONE) continue; /* no tet uses it */

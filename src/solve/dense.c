@@ -42,13 +42,13 @@ bool solve_dense_cholesky(double *a, size_t n)
         int info = 0;
         dpotrf_("L", &width, TILE_AT(k, k), &stride, &info);
         if (info != 0) return false;
-#pragma omp parallel for num_threads(pith_threads()) schedule(dynamic)
+#pragma omp parallel for num_threads(pith_threads()) schedule(dynamic) if (tiles - k > 2)
         for (size_t i = k + 1; i < tiles; ++i)
             cblas_dtrsm(CblasColMajor, CblasRight, CblasLower, CblasTrans, CblasNonUnit, tile_size(n, i), width, 1.0,
                         TILE_AT(k, k), stride, TILE_AT(i, k), stride);
         /* Subtract the outer product of that column from the tiles to the right; each tile is one thread's. */
         const size_t rest = tiles - k - 1;
-#pragma omp parallel for num_threads(pith_threads()) schedule(dynamic)
+#pragma omp parallel for num_threads(pith_threads()) schedule(dynamic) if (rest > 1)
         for (size_t task = 0; task < rest * rest; ++task) {
             const size_t i = k + 1 + task / rest, j = k + 1 + task % rest;
             if (i == j)

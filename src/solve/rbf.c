@@ -15,6 +15,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Up to so many centres, threads would only wait for one another: on a busy machine much longer than the work takes. */
+enum { RBF_FEW = 400 };
 enum { RBF_MOST_CENTRES = 20000, RBF_MOST_BASIS = 4, RBF_REFINEMENTS = 4 };
 
 static const double same_place = 1e-9; /* of the box's diagonal */
@@ -251,7 +253,7 @@ static void project(const affine_basis *basis, size_t count, double *x)
 static void multiply_kernel(pith_rbf *rbf, double smoothing, const double *x, double *y)
 {
     memcpy(rbf->centres.weight, x, rbf->count * sizeof *x);
-#pragma omp parallel for num_threads(pith_threads()) schedule(dynamic, 64)
+#pragma omp parallel for num_threads(pith_threads()) schedule(dynamic, 64) if (rbf->count > RBF_FEW)
     for (size_t i = 0; i < rbf->count; ++i) {
         const double p[3] = { rbf->centres.x[i], rbf->centres.y[i], rbf->centres.z[i] };
         double sums[4];
@@ -315,7 +317,7 @@ static void fill_matrix(const projected_kernel *system, double *matrix)
 {
     const rbf_centres *c = system->centres;
     const size_t n = system->count;
-#pragma omp parallel for num_threads(pith_threads()) schedule(dynamic, 16)
+#pragma omp parallel for num_threads(pith_threads()) schedule(dynamic, 16) if (n > RBF_FEW)
     for (size_t j = 0; j < n; ++j) {
         const double *bj = system->basis->column[j], *yj = system->correction[j];
         double *column = matrix + j * n;
