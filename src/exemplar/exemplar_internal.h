@@ -67,6 +67,7 @@ typedef struct particle {
     double axes[3][3];      /* row a: unit vector of the particle's own axis a (its r, s, t) in texture space */
     double radius[3];
     double extent[3];       /* half sides of the box around the particle and its halo */
+    double edge;            /* farther than this from 1 a distance is plainly inside or outside: no edge is so wide */
     float shade;            /* factor of its colours, 1 or darker */
 } particle;
 

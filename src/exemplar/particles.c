@@ -3,6 +3,7 @@
 #include "exemplar_internal.h"
 
 #define DART_TRIES 40       /* darts for one particle before the layer counts as full */
+#define LEAST_NARROW 0.05   /* a drop never thins to nothing */
 #define CELLS_MAX 64        /* a side of the lattice that neighbours are looked up in */
 
 /* ---- throwing ------------------------------------------------------------------------------------------------ */
@@ -86,6 +87,10 @@ static void furnish(const pith_particle_layer *layer, const uint32_t voxels[3], 
         const double cross[3] = { n[1] * e[2] - n[2] * e[1], n[2] * e[0] - n[0] * e[2], n[0] * e[1] - n[1] * e[0] };
         for (int k = 0; k < 3; ++k) p->axes[i][k] = c * e[k] + s * cross[k] + (1.0 - c) * n[i] * n[k];
     }
+    /* The distance grows by at most 1 over the least half axis, be it that of a drop's tip. */
+    const double thin = fmax(1.0 - layer->taper, LEAST_NARROW) * fmin(p->radius[0], fmin(p->radius[1], p->radius[2]));
+    const double voxel = 1.0 / fmin(voxels[0], fmin(voxels[1], voxels[2]));
+    p->edge = 0.5 * fmax(voxel / thin, layer->softness) + 1e-6;
     const double reach = 1.0 + fmax(layer->halo > 0.0 ? layer->halo_width : 0.0, 0.5 * layer->softness);
     for (int k = 0; k < 3; ++k) {
         double sum = 0.0;
@@ -149,7 +154,8 @@ pith_status particles_throw(const pith_particle_layer *layer, const exemplar_spa
 
 /* ---- painting ------------------------------------------------------------------------------------------------ */
 
-/* How deep a point lies in a particle: distance 0 at the middle, 1 on its surface, and its growth over one voxel. */
+/* How deep a point lies in a particle: distance 0 at the middle, 1 on its surface, and its growth over one voxel (0 where
+   the point is no part of the edge). */
 static double particle_distance(const pith_particle_layer *layer, const particle *p, const double offset[3],
                                 const double voxel[3], double *growth)
 {
@@ -158,9 +164,11 @@ static double particle_distance(const pith_particle_layer *layer, const particle
         q[i] = (p->axes[i][0] * offset[0] + p->axes[i][1] * offset[1] + p->axes[i][2] * offset[2]) / p->radius[i];
     /* A drop thins towards its inner end: the section at height q_s is narrowed by up to `taper` there. */
     const double height = q[1] > -1.0 ? (q[1] < 1.0 ? q[1] : 1.0) : -1.0;
-    const double narrow = fmax(1.0 - layer->taper * 0.5 * (1.0 + height), 0.05);
+    const double narrow = fmax(1.0 - layer->taper * 0.5 * (1.0 + height), LEAST_NARROW);
     q[0] /= narrow, q[2] /= narrow;
     const double d = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2]);
+    *growth = 0.0;
+    if (fabs(d - 1.0) > p->edge) return d;
 
     /* Gradient of d, ignoring that `narrow` changes with height: it only sets how wide the edge is. */
     const double slope[3] = { q[0] / (p->radius[0] * narrow), q[1] / p->radius[1], q[2] / (p->radius[2] * narrow) };
@@ -180,7 +188,7 @@ static void paint_body(const pith_particle_layer *layer, const particle *p, doub
                        uint32_t channels)
 {
     const double width = fmax(growth, layer->softness);
-    const float cover = (float)fmin(fmax((1.0 - d) / width + 0.5, 0.0), 1.0);
+    const float cover = growth > 0.0 ? (float)fmin(fmax((1.0 - d) / width + 0.5, 0.0), 1.0) : (d < 1.0 ? 1.0f : 0.0f);
     if (!(cover > 0.0f)) return;
     const float rim = (float)fmin(d * d, 1.0);
     float colour[3];
