@@ -55,12 +55,23 @@ pith_status document_strokes(pith_document *made, const json_t *list, pith_strok
 static pith_status build_shape(pith_document *made, const json_t *shape, document_body *to, pith_error *err)
 {
     PITH_TRY(document_path(made, shape, "mesh", &to->mesh_file, err));
+    to->shape = to->mesh_file ? SHAPE_MESH : json_object_get(shape, "slab") ? SHAPE_SLAB : SHAPE_FRUIT;
     json_options(json_object_get(shape, "fruit"), &pith_fruit_params, &to->fruit);
+    json_options(json_object_get(shape, "slab"), &pith_slab_params, &to->slab);
     json_options(json_object_get(shape, "tets"), &pith_tets_params, &to->tets);
     const json_t *refine = json_object_get(shape, "refine");
     json_options(refine, &pith_refine_params, &to->refine);
     if (!refine) to->refine.passes = 0;
     return PITH_OK;
+}
+
+/* Refining looks at the depth field, so there must be one. */
+static pith_status check_refine(reader *in, const document_body *body)
+{
+    if ((body->refine.passes == 0 && body->refine.singular_passes == 0) || body->constraint_count > 0) return PITH_OK;
+    reader_enter(in, "shape");
+    reader_enter(in, "refine");
+    return reader_fail(in, "looks at the depth field; give the body \"depth\" with constraints");
 }
 
 static pith_status build_constraint(pith_document *made, const json_t *from, pith_depth_constraint *to,
@@ -97,6 +108,39 @@ static pith_status build_direction(pith_document *made, const json_t *direction,
 {
     json_options(direction, &pith_smoothing_params, &to->smoothing);
     return document_strokes(made, json_object_get(direction, "strokes"), &to->strokes, &to->stroke_count, err);
+}
+
+static pith_status build_vectors(pith_document *made, reader *in, const json_t *from, document_vectors *to)
+{
+    json_options(from, &pith_volume_field_params, &to->volume);
+    json_options(json_object_get(from, "tangent"), &pith_tangent_params, &to->tangent);
+    PITH_TRY(document_strokes(made, json_object_get(from, "surface"), &to->surface, &to->surface_count, in->err));
+    PITH_TRY(document_strokes(made, json_object_get(from, "inside"), &to->inside, &to->inside_count, in->err));
+    if (!from || to->surface_count + to->inside_count > 0) return PITH_OK;
+    reader_enter(in, "vectors");
+    return reader_fail(in, "has no strokes; draw some on the \"surface\", or \"inside\", or both");
+}
+
+static pith_status build_scale(pith_document *made, reader *in, const json_t *from, document_scale *to)
+{
+    json_options(from, &pith_smoothing_params, &to->smoothing);
+    const json_t *list = json_object_get(from, "points");
+    const size_t count = json_array_size(list);
+    to->points = arena_alloc(&made->memory, count, sizeof *to->points);
+    to->sizes = arena_alloc(&made->memory, count, sizeof *to->sizes);
+    if (!to->points || !to->sizes) return PITH_OUT_OF_MEMORY(in->err, "sizes");
+    for (size_t i = 0; i < count; ++i) {
+        const json_t *entry = json_array_get(list, i);
+        scale_value value;
+        json_options(entry, &document_scale_value_params, &value);
+        to->points[i] = json_point(json_object_get(entry, "point"));
+        to->sizes[i] = value.size;
+    }
+    to->count = count;
+    if (!from || count > 0) return PITH_OK;
+    reader_enter(in, "scale");
+    reader_enter(in, "points");
+    return reader_fail(in, "is empty, expected at least one place with its size");
 }
 
 /* ---- solids -------------------------------------------------------------------------------------------------------------- */
@@ -138,9 +182,47 @@ static pith_status check_needs(reader *in, const document_body *body, uint32_t t
     const type_needs *needs = type_needs_of(type);
     if (needs->depth && body->constraint_count == 0)
         return reader_fail(in, "type %s needs a depth field; give the body \"depth\" with constraints", needs->word);
+    if (needs->vectors && body->vectors.surface_count + body->vectors.inside_count == 0)
+        return reader_fail(in, "type %s needs a vector field; give the body \"vectors\" with strokes, or take type 0-A",
+                           needs->word);
+    if (needs->scale && body->scale.count == 0)
+        return reader_fail(in, "type %s needs the exemplar's size; give the body \"scale\" with points", needs->word);
     if (needs->direction && body->stroke_count == 0)
         return reader_fail(in, "type %s needs a direction field; give the body \"direction\" with strokes, or take type "
                            "%s", needs->word, type == PITH_TYPE_1B ? "1-A" : "0-A");
+    return PITH_OK;
+}
+
+static pith_status build_paste(pith_document *made, reader *in, const json_t *from, document_paste *to)
+{
+    json_options(from, &document_paste_params, &to->look);
+    to->point = json_point(json_object_get(from, "point"));
+    to->up = json_point(json_object_get(from, "up"));
+    to->along = json_point(json_object_get(from, "along"));
+    if (!(pith_length(pith_cross(pith_unit(to->up), pith_unit(to->along))) > 1e-6))
+        return reader_fail(in, "\"up\" and \"along\" must be two directions, of any length but 0, that are not parallel");
+    const size_t length = reader_enter(in, "exemplar");
+    PITH_TRY(build_exemplar(made, in, json_object_get(from, "exemplar"), &to->exemplar));
+    reader_leave(in, length);
+    return PITH_OK;
+}
+
+static pith_status build_pastes(pith_document *made, reader *in, const json_t *list, document_solid *to)
+{
+    const size_t count = json_array_size(list);
+    if (count > MOST_PASTES) {
+        reader_enter(in, "pastes");
+        return reader_fail(in, "has %zu entries, expected at most %d", count, MOST_PASTES);
+    }
+    to->pastes = arena_alloc(&made->memory, count, sizeof *to->pastes);
+    if (!to->pastes) return PITH_OUT_OF_MEMORY(in->err, "pastes");
+    to->paste_count = count;
+    for (size_t i = 0; i < count; ++i) {
+        const size_t length = reader_enter(in, "pastes");
+        reader_enter_at(in, i);
+        PITH_TRY(build_paste(made, in, json_array_get(list, i), &to->pastes[i]));
+        reader_leave(in, length);
+    }
     return PITH_OK;
 }
 
@@ -152,7 +234,7 @@ static pith_status build_lapped(pith_document *made, reader *in, const json_t *f
     const size_t length = reader_enter(in, "exemplar");
     PITH_TRY(build_exemplar(made, in, json_object_get(from, "exemplar"), &to->exemplar));
     reader_leave(in, length);
-    return PITH_OK;
+    return build_pastes(made, in, json_object_get(from, "pastes"), to);
 }
 
 static pith_status build_solid(pith_document *made, reader *in, const json_t *from, const document_body *body,
@@ -214,11 +296,21 @@ pith_status body_build(pith_document *made, reader *in, const json_t *from, docu
     if (!to->place) return PITH_OUT_OF_MEMORY(in->err, "a place");
     PITH_TRY(build_shape(made, json_object_get(from, "shape"), to, in->err));
     PITH_TRY(build_depth(made, json_object_get(from, "depth"), to, in->err));
+    PITH_TRY(check_refine(in, to));
     PITH_TRY(build_direction(made, json_object_get(from, "direction"), to, in->err));
+    PITH_TRY(build_vectors(made, in, json_object_get(from, "vectors"), &to->vectors));
+    PITH_TRY(build_scale(made, in, json_object_get(from, "scale"), &to->scale));
+    const json_t *displacement = json_object_get(from, "displacement");
+    to->displaced = displacement != NULL;
+    json_options(displacement, &pith_displacement_params, &to->displacement);
     return build_solids(made, in, from, to);
 }
 
 void body_clear(document_body *body)
 {
-    for (size_t i = 0; i < body->solid_count; ++i) pith_recipe_destroy(body->solids[i].exemplar.recipe);
+    for (size_t i = 0; i < body->solid_count; ++i) {
+        const document_solid *solid = &body->solids[i];
+        pith_recipe_destroy(solid->exemplar.recipe);
+        for (size_t k = 0; k < solid->paste_count; ++k) pith_recipe_destroy(solid->pastes[k].exemplar.recipe);
+    }
 }

@@ -35,14 +35,50 @@ size_t reader_enter_at(reader *in, size_t index)
 
 void reader_leave(reader *in, size_t length) { in->place[length] = 0; }
 
+/* What an editor may have put there and JSON does not allow, in words of its own. */
+static pith_status check_encoding(const char *file, const char *text, size_t size, pith_error *err)
+{
+    if (size == 0) return pith_fail(err, PITH_BAD_DOCUMENT, "%s: line 1, column 0: the file is empty", file);
+    if (size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0)
+        return pith_fail(err, PITH_BAD_DOCUMENT, "%s: begins with a byte-order mark (EF BB BF); save it as UTF-8 without "
+                         "one", file);
+    if (size >= 2 && (memcmp(text, "\xff\xfe", 2) == 0 || memcmp(text, "\xfe\xff", 2) == 0))
+        return pith_fail(err, PITH_BAD_DOCUMENT, "%s: is UTF-16; save it as UTF-8", file);
+    const char *zero = memchr(text, 0, size);
+    if (!zero) return PITH_OK;
+    int line = 1;
+    for (const char *at = text; at < zero; ++at) line += *at == '\n';
+    return pith_fail(err, PITH_BAD_DOCUMENT, "%s: line %d: there is a zero byte (byte %td of the file); a document is plain "
+                     "text", file, line, zero - text);
+}
+
+/* The parser's words, but where they would not help. */
+static const char *syntax_words(const json_error_t *problem)
+{
+    static const char *const names[] = { "NaN", "nan", "Infinity", "inf", "-'" }; /* "-": of -Infinity */
+    for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
+        char near[40];
+        snprintf(near, sizeof near, "near '%s", names[i]);
+        if (strstr(problem->text, near)) return "JSON has no NaN and no infinity; write a number";
+    }
+    switch (json_error_code(problem)) {
+    case json_error_null_character: return "a text contains a zero character (\\u0000); leave it out";
+    case json_error_invalid_utf8: return "a byte that is not UTF-8; save the file as UTF-8";
+    case json_error_numeric_overflow: return "a number too large; numbers go up to about 1.8e308, whole ones to 2^63";
+    case json_error_stack_overflow: return "objects and lists are nested too deeply";
+    default: return problem->text;
+    }
+}
+
 pith_status json_read(const char *file, const char *text, size_t size, json_t **root, pith_error *err)
 {
+    PITH_TRY(check_encoding(file, text, size, err));
     json_error_t problem;
     json_t *parsed = json_loadb(text, size, JSON_REJECT_DUPLICATES, &problem);
     if (!parsed && json_error_code(&problem) == json_error_out_of_memory) return PITH_OUT_OF_MEMORY(err, file);
     if (!parsed)
         return pith_fail(err, PITH_BAD_DOCUMENT, "%s: line %d, column %d: %s", file, problem.line, problem.column,
-                         problem.text);
+                         syntax_words(&problem));
     *root = parsed;
     return PITH_OK;
 }
@@ -191,6 +227,29 @@ static pith_status check_list(reader *in, json_t *value, const grammar *rules)
     return PITH_OK;
 }
 
+static const grammar_key *find_key(const grammar *rules, const char *name)
+{
+    for (size_t i = 0; i < rules->key_count; ++i)
+        if (strcmp(rules->keys[i].name, name) == 0) return &rules->keys[i];
+    return NULL;
+}
+
+/* An entry without "kind" most likely has it misspelt: a key that no kind knows is told first. */
+static pith_status kind_missing(const reader *in, json_t *entry, const grammar *kinds, const char *list)
+{
+    static const char *const word[] = { "kind", NULL };
+    const char *name;
+    json_t *value;
+    json_object_foreach(entry, name, value) {
+        bool known = false;
+        for (const grammar *rules = kinds; rules->name; ++rules)
+            known |= find_key(rules, name) || (rules->params && pith_params_find(rules->params, name));
+        if (!known && pith_nearest_word(name, word))
+            return reader_fail(in, "unknown key \"%.60s\"; did you mean \"kind\"?", name);
+    }
+    return reader_fail(in, "\"kind\" is missing, expected %s", list);
+}
+
 /* Objects told apart by the word behind "kind". */
 static pith_status check_kinds(reader *in, json_t *value, const grammar *kinds)
 {
@@ -208,8 +267,12 @@ static pith_status check_kinds(reader *in, json_t *value, const grammar *kinds)
         const size_t length = reader_enter_at(in, i);
         json_t *entry = json_array_get(value, i);
         if (!json_is_object(entry)) return wrong_type(in, entry, "an object");
+        if (!json_object_get(entry, "kind")) return kind_missing(in, entry, kinds, list);
         const char *kind = json_string_value(json_object_get(entry, "kind"));
-        if (!kind) return reader_fail(in, "\"kind\" is missing, expected %s", list);
+        if (!kind) {
+            reader_enter(in, "kind");
+            return wrong_type(in, json_object_get(entry, "kind"), list);
+        }
         size_t k = 0;
         while (k < count && strcmp(kind, kinds[k].name) != 0) ++k;
         if (k == count) {
@@ -288,13 +351,6 @@ static pith_status check_option(reader *in, const pith_params *table, const pith
 
 /* ---- objects ------------------------------------------------------------------------------------------------------------ */
 
-static const grammar_key *find_key(const grammar *rules, const char *name)
-{
-    for (size_t i = 0; i < rules->key_count; ++i)
-        if (strcmp(rules->keys[i].name, name) == 0) return &rules->keys[i];
-    return NULL;
-}
-
 static pith_status unknown_key(const reader *in, const grammar *rules, const char *name)
 {
     const char *names[100];
@@ -310,7 +366,7 @@ static pith_status unknown_key(const reader *in, const grammar *rules, const cha
         const size_t at = strlen(list);
         snprintf(list + at, sizeof list - at, "%s%s", i ? ", " : "", names[i]);
     }
-    return reader_fail(in, "unknown key \"%.60s\"; a %s has %s", name, rules->name, list);
+    return reader_fail(in, "unknown key \"%.60s\", expected one of %s", name, list);
 }
 
 static pith_status check_presence(const reader *in, const json_t *object, const grammar *rules)

@@ -18,6 +18,11 @@ static pith_status check_cut(const pith_cut_step *cut, size_t index, pith_error 
 {
     pith_status status = pith_params_check(&pith_cut_step_params, cut, err);
     if (status != PITH_OK) return pith_fail_in(err, status, "cut %zu", index);
+    if (cut->stroke.count > 0) {
+        if (!cut->stroke.points) return pith_fail(err, PITH_BAD_ARGUMENT, "cut %zu: the stroke has no points", index);
+        status = pith_params_check(&pith_cut_stroke_params, &cut->follow, err);
+        return status == PITH_OK ? PITH_OK : pith_fail_in(err, status, "cut %zu", index);
+    }
     const pith_plane *plane = &cut->plane;
     if (!pith_finite(plane->point) || !pith_finite(plane->normal) || !(pith_length(plane->normal) > 0.0))
         return pith_fail(err, PITH_BAD_ARGUMENT, "cut %zu: the plane's point and normal must be finite numbers, and the "
@@ -67,7 +72,8 @@ pith_status cut_fail_at(const pith_model *model, size_t index, pith_status statu
 {
     if (status == PITH_CANCELLED) return status;
     if (!model_cuts(model)->from_document) return pith_fail_in(err, status, "cut %zu", index);
-    return pith_fail_in(err, status, "%s: cuts[%zu]", model->document->path, index);
+    return pith_fail_in(err, status, "%s: cuts[%zu]%s", model->document->path, index,
+                        model_cuts(model)->steps[index].stroke.count ? ".stroke" : "");
 }
 
 /* ---- sides -------------------------------------------------------------------------------------------------------------------- */
@@ -77,10 +83,22 @@ bool cut_keeps(const pith_cut_step *cut, bool positive)
     return cut->keep == PITH_KEEP_BOTH || (cut->keep == PITH_KEEP_POSITIVE) == positive;
 }
 
+/* Where the positive side of a cut is. A stroke sweeps a fan of triangles about the eye, whose right is the cross product
+   of its two rays; of the fan the mean is taken, every triangle by the angle it is seen under. */
+static pith_vec3 cut_normal(const pith_cut_step *cut)
+{
+    if (cut->stroke.count == 0) return pith_unit(cut->plane.normal);
+    pith_vec3 sum = { 0, 0, 0 };
+    for (size_t i = 0; i + 1 < cut->stroke.count; ++i)
+        sum = pith_add(sum, pith_cross(pith_unit(pith_sub(cut->stroke.points[i], cut->stroke.eye)),
+                                       pith_unit(pith_sub(cut->stroke.points[i + 1], cut->stroke.eye))));
+    return pith_unit(sum);
+}
+
 pith_vec3 cut_offset(const pith_cut_step *cut, pith_vec3 offset, bool positive)
 {
-    if (cut->keep != PITH_KEEP_BOTH) return offset;
-    return pith_madd(offset, pith_unit(cut->plane.normal), positive ? 0.5 * cut->gap : -0.5 * cut->gap);
+    if (cut->keep != PITH_KEEP_BOTH || !(cut->gap > 0.0)) return offset;
+    return pith_madd(offset, cut_normal(cut), positive ? 0.5 * cut->gap : -0.5 * cut->gap);
 }
 
 /* A plane that misses the box of a piece, by more than rounding, needs no look at its vertices. */
@@ -98,12 +116,14 @@ static piece_side side_of_box(const pith_box *box, const pith_plane *plane)
 pith_status piece_side_of(const piece *from, const pith_cut_step *cut, piece_side *side, double **values,
                           pith_error *err)
 {
-    *side = side_of_box(&from->box, &cut->plane);
+    *side = cut->stroke.count ? SIDE_BOTH : side_of_box(&from->box, &cut->plane);
     if (*side != SIDE_BOTH) return PITH_OK;
     const uint32_t count = pith_part_look(from->part).vertex_count;
     double *made = pith_alloc(count, sizeof *made);
     if (!made) return PITH_OUT_OF_MEMORY(err, "a cut");
-    const pith_status status = pith_part_plane_values(from->part, &cut->plane, made, err);
+    const pith_status status = cut->stroke.count
+                                   ? pith_part_stroke_values(from->part, &cut->stroke, &cut->follow, made, err)
+                                   : pith_part_plane_values(from->part, &cut->plane, made, err);
     double lowest = INFINITY, highest = -INFINITY;
     for (uint32_t v = 0; status == PITH_OK && v < count; ++v) {
         lowest = fmin(lowest, made[v]);

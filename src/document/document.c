@@ -55,22 +55,56 @@ static pith_status build_bodies(pith_document *made, reader *in, const json_t *r
 
 /* ---- cuts and camera -------------------------------------------------------------------------------------------------- */
 
+static pith_status build_cut(pith_document *made, reader *in, const json_t *from, pith_cut_step *to)
+{
+    const json_t *plane = json_object_get(from, "plane"), *stroke = json_object_get(from, "stroke");
+    json_options(from, &pith_cut_step_params, to);
+    json_options(stroke, &pith_cut_stroke_params, &to->follow);
+    if (stroke) {
+        to->stroke.eye = json_point(json_object_get(stroke, "eye"));
+        return document_points(made, json_object_get(stroke, "points"), &to->stroke.points, &to->stroke.count, in->err);
+    }
+    to->plane.point = json_point(json_object_get(plane, "point"));
+    to->plane.normal = json_point(json_object_get(plane, "normal"));
+    if (pith_length(to->plane.normal) > 0.0) return PITH_OK;
+    reader_enter(in, "plane.normal");
+    return reader_fail(in, "has no length; any other vector will do");
+}
+
 static pith_status build_cuts(pith_document *made, reader *in, const json_t *list)
 {
     made->cut_count = json_array_size(list);
     made->cuts = arena_alloc(&made->memory, made->cut_count, sizeof *made->cuts);
     if (!made->cuts) return PITH_OUT_OF_MEMORY(in->err, "cuts");
     for (size_t i = 0; i < made->cut_count; ++i) {
-        const json_t *from = json_array_get(list, i), *plane = json_object_get(from, "plane");
-        json_options(from, &pith_cut_step_params, &made->cuts[i]);
-        made->cuts[i].plane.point = json_point(json_object_get(plane, "point"));
-        made->cuts[i].plane.normal = json_point(json_object_get(plane, "normal"));
-        if (!(pith_length(made->cuts[i].plane.normal) > 0.0)) {
-            reader_enter(in, "cuts");
-            reader_enter_at(in, i);
-            reader_enter(in, "plane.normal");
-            return reader_fail(in, "has no length; any other vector will do");
-        }
+        const size_t length = reader_enter(in, "cuts");
+        reader_enter_at(in, i);
+        PITH_TRY(build_cut(made, in, json_array_get(list, i), &made->cuts[i]));
+        reader_leave(in, length);
+    }
+    return PITH_OK;
+}
+
+static pith_status build_volume(pith_document *made, reader *in, const json_t *from)
+{
+    made->translucent = from != NULL;
+    json_options(from, &pith_volume_params, &made->volume);
+    const json_t *list = json_object_get(from, "transfer");
+    made->transfer_count = json_array_size(list);
+    made->transfer = arena_alloc(&made->memory, made->transfer_count, sizeof *made->transfer);
+    if (!made->transfer) return PITH_OUT_OF_MEMORY(in->err, "the transfer function");
+    for (size_t i = 0; i < made->transfer_count; ++i) {
+        pith_transfer_point *to = &made->transfer[i];
+        transfer_value value;
+        json_options(json_array_get(list, i), &document_transfer_params, &value);
+        json_colour(json_object_get(json_array_get(list, i), "colour"), to->colour);
+        to->value = value.value;
+        to->opacity = (float)value.opacity;
+        if (i == 0 || to->value > made->transfer[i - 1].value) continue;
+        reader_enter(in, "volume.transfer");
+        reader_enter_at(in, i);
+        reader_enter(in, "value");
+        return reader_fail(in, "is %g after %g, expected ascending values", to->value, made->transfer[i - 1].value);
     }
     return PITH_OK;
 }
@@ -116,7 +150,7 @@ static pith_status fill_document(pith_document *made, const char *path, const ch
     PITH_TRY(build_cuts(made, &in, json_object_get(root, "cuts")));
     PITH_TRY(build_camera(made, &in, json_object_get(root, "camera")));
     json_options(json_object_get(root, "render"), &pith_render_params, &made->render);
-    return PITH_OK;
+    return build_volume(made, &in, json_object_get(root, "volume"));
 }
 
 pith_status pith_document_parse(const char *path, const char *json, size_t size, pith_document **document,
@@ -188,3 +222,5 @@ const char *pith_document_body_name(const pith_document *document, size_t index)
 {
     return index < document->body_count ? document->bodies[index].name : NULL;
 }
+
+bool pith_document_translucent(const pith_document *document) { return document->translucent; }

@@ -114,17 +114,43 @@ typedef struct document_solid {
     solid_kind kind;
     pith_lapped_options lapped;
     document_exemplar exemplar;
+    struct document_paste *pastes;
+    size_t paste_count;
     const char *grid_file;
     grid_options grid;
 } document_solid;
+
+typedef struct paste_options { double size, mask_radius, drop_off; } paste_options;
+typedef struct document_paste {
+    document_exemplar exemplar;
+    pith_vec3 point, up, along;
+    paste_options look;
+} document_paste;
+
+typedef struct document_vectors {
+    pith_stroke *surface, *inside;
+    size_t surface_count, inside_count;
+    pith_tangent_options tangent;
+    pith_volume_field_options volume;
+} document_vectors;
+
+typedef struct scale_value { double size; } scale_value;
+typedef struct document_scale {
+    pith_vec3 *points;              /* [count] */
+    double *sizes;
+    size_t count;
+    pith_smoothing_options smoothing;
+} document_scale;
 
 /* One body: what stands at the top level of a document, or in an entry of its "bodies". */
 typedef struct document_body {
     const char *name;               /* "" when it is the only one */
     const char *place;              /* what stands before its keys in messages: "" or "bodies[2]." */
 
-    const char *mesh_file;          /* resolved path, or NULL: the fruit */
+    enum { SHAPE_MESH, SHAPE_FRUIT, SHAPE_SLAB } shape;
+    const char *mesh_file;          /* resolved path */
     pith_fruit_options fruit;
+    pith_slab_options slab;
     pith_tets_options tets;
     pith_refine_options refine;
 
@@ -134,9 +160,13 @@ typedef struct document_body {
     pith_stroke *strokes;
     size_t stroke_count;
     pith_smoothing_options smoothing;
+    document_vectors vectors;       /* no strokes: none */
+    document_scale scale;           /* no points: none */
 
     document_solid *solids;
     size_t solid_count, solid;      /* solid: the one the body is made of */
+    bool displaced;
+    pith_displacement_options displacement;
 } document_body;
 
 typedef struct document_camera {
@@ -145,7 +175,7 @@ typedef struct document_camera {
     struct document_lens { double field_of_view; } lens;
 } document_camera;
 
-enum { MOST_BODIES = 1000 };
+enum { MOST_BODIES = 1000, MOST_PASTES = 1000 };
 
 struct pith_document {
     arena memory;
@@ -157,6 +187,10 @@ struct pith_document {
     size_t cut_count;
     document_camera camera;
     pith_render_options render;
+    bool translucent;
+    pith_volume_options volume;
+    pith_transfer_point *transfer;  /* [transfer_count]; none: the solid's own colours */
+    size_t transfer_count;
 };
 
 /* What building a document needs everywhere: a copy of a text, a path relative to the document (NULL without the key),
@@ -179,7 +213,9 @@ const type_needs *type_needs_of(uint32_t type);
 
 extern const pith_params document_grid_params, document_lens_params, document_depth_value_params,
     document_recipe_params, document_stop_params;
+extern const pith_params document_scale_value_params, document_paste_params, document_transfer_params;
 typedef struct depth_value { double depth; } depth_value;
+typedef struct transfer_value { double value, opacity; } transfer_value;
 typedef struct stop_value { double depth, opacity; } stop_value;
 typedef struct recipe_options { uint64_t seed; double strip_blend; bool homogeneous; } recipe_options;
 
@@ -226,8 +262,10 @@ pith_status exemplar_pack(const pith_grid *exemplar, byte_writer *out, pith_erro
 pith_status exemplar_unpack(byte_reader *in, pith_grid **exemplar, pith_error *err);
 
 /* Keys of the stages: hashes of everything the stage depends on, the contents of files included. */
-typedef struct stage_keys { uint64_t tets, fields, exemplar, patches; } stage_keys;
+typedef struct stage_keys { uint64_t tets, depth, fields, vectors, scale, exemplar, patches; } stage_keys;
 pith_status stage_keys_of(const document_body *body, stage_keys *keys, pith_error *err);
+/* The key of the exemplar of a paste. */
+pith_status stage_key_of_exemplar(const document_exemplar *exemplar, uint64_t *key, pith_error *err);
 /* Hash of every option of the table, by name, chained onto seed. */
 uint64_t hash_options(const pith_params *table, const void *options, uint64_t seed);
 

@@ -13,14 +13,18 @@ static const pith_param refine_items[] = {
       PITH_PARAM_DOUBLE, 0, 0.85, 1, offsetof(pith_refine_options, depth_above), NULL },
     { "passes", "1", "how often; each pass about halves the edges there in three passes, 0 leaves the mesh as it is",
       PITH_PARAM_UINT, 0, 1, 8, offsetof(pith_refine_options, passes), NULL },
+    { "singular_angle", "degrees", "tets in which the directions turn by more than this are bisected; lower refines more",
+      PITH_PARAM_DOUBLE, 10, 60, 180, offsetof(pith_refine_options, singular_angle), NULL },
+    { "singular_passes", "1", "how often; more resolves poles and axes of the fields more finely, 0 not at all",
+      PITH_PARAM_UINT, 0, 0, 6, offsetof(pith_refine_options, singular_passes), NULL },
 };
-const pith_params pith_refine_params = { "refine", refine_items, 2, sizeof(pith_refine_options) };
+const pith_params pith_refine_params = { "refine", refine_items, 4, sizeof(pith_refine_options) };
 
 static const char *const keep_words[] = { "both", "positive", "negative", NULL };
 static const pith_param cut_items[] = {
-    { "keep", "1", "the sides that stay; positive is where the normal points", PITH_PARAM_CHOICE, 0, PITH_KEEP_BOTH, 2,
+    { "keep", "1", "the sides that stay; positive is where the normal points, or right of the stroke", PITH_PARAM_CHOICE, 0, PITH_KEEP_BOTH, 2,
       offsetof(pith_cut_step, keep), keep_words },
-    { "gap", "model units", "how far two kept sides are moved apart along the normal", PITH_PARAM_DOUBLE, 0, 0, 1e9,
+    { "gap", "model units", "how far two kept sides are moved apart along the cut's normal", PITH_PARAM_DOUBLE, 0, 0, 1e9,
       offsetof(pith_cut_step, gap), NULL },
     { "separate", "1", "afterwards every connected body is a part of its own", PITH_PARAM_BOOL, 0, 0, 1,
       offsetof(pith_cut_step, separate), NULL },
@@ -60,14 +64,37 @@ static const pith_param stop_items[] = {
 };
 const pith_params document_stop_params = { "stop", stop_items, 2, sizeof(stop_value) };
 
+static const pith_param scale_value_items[] = {
+    { "size", "model units", "edge of the exemplar's cube there; more makes the texture coarser", PITH_PARAM_DOUBLE, 1e-9, 1,
+      1e9, offsetof(scale_value, size), NULL },
+};
+const pith_params document_scale_value_params = { "scale value", scale_value_items, 1, sizeof(scale_value) };
+
+static const pith_param paste_items[] = {
+    { "size", "model units", "edge of the exemplar's cube", PITH_PARAM_DOUBLE, 1e-9, 1, 1e9, offsetof(paste_options, size),
+      NULL },
+    { "mask_radius", "texture", "half width of the splotch; 0.5 with drop_off 0 is the whole cube", PITH_PARAM_DOUBLE, 0.05,
+      0.48, 0.5, offsetof(paste_options, mask_radius), NULL },
+    { "drop_off", "texture", "width of the splotch's soft edge; more blurs the seam further", PITH_PARAM_DOUBLE, 0, 0.075,
+      0.5, offsetof(paste_options, drop_off), NULL },
+};
+const pith_params document_paste_params = { "paste", paste_items, 3, sizeof(paste_options) };
+
+static const pith_param transfer_items[] = {
+    { "value", "1", "of the channel looked at", PITH_PARAM_DOUBLE, -1e9, 0, 1e9, offsetof(transfer_value, value), NULL },
+    { "opacity", "1", "0 is seen through … 1 opaque", PITH_PARAM_DOUBLE, 0, 1, 1, offsetof(transfer_value, opacity), NULL },
+};
+const pith_params document_transfer_params = { "transfer", transfer_items, 2, sizeof(transfer_value) };
+
 const pith_params *const *pith_document_tables(void)
 {
     static const pith_params *const tables[] = {
-        &pith_fruit_params, &pith_tets_params, &pith_refine_params, &document_depth_value_params, &pith_depth_params,
-        &pith_smoothing_params, &pith_lapped_params, &document_grid_params, &document_recipe_params,
+        &pith_fruit_params, &pith_slab_params, &pith_tets_params, &pith_refine_params, &document_depth_value_params, &pith_depth_params,
+        &pith_smoothing_params, &pith_tangent_params, &pith_volume_field_params, &document_scale_value_params,
+        &pith_displacement_params, &document_paste_params, &pith_lapped_params, &document_grid_params, &document_recipe_params,
         &document_stop_params, &pith_noise_layer_params, &pith_brick_layer_params, &pith_particle_layer_params,
-        &pith_cut_step_params, &document_lens_params,
-        &pith_render_params, NULL,
+        &pith_cut_step_params, &pith_cut_stroke_params, &document_lens_params, &pith_render_params,
+        &pith_volume_params, &document_transfer_params, NULL,
     };
     return tables;
 }
@@ -113,20 +140,25 @@ const grammar grammar_recipe = {
 static const grammar fruit = {
     "fruit", "A rounded body made by the program, its poles on the z axis.", NULL, 0, &pith_fruit_params, NULL, NULL,
 };
+static const grammar slab = {
+    "slab", "A layer between two wavy heights over a plan, made by the program: rock, cake, a disc, a tube, a slice.",
+    NULL, 0, &pith_slab_params, NULL, NULL,
+};
 static const grammar tets = {
     "tets", "How the body is filled with tetrahedra.", NULL, 0, &pith_tets_params, NULL, NULL,
 };
 static const grammar refine = {
-    "refine", "Smaller tetrahedra near the core, where the depth gradient fades.", NULL, 0, &pith_refine_params, NULL,
+    "refine", "Smaller tetrahedra near the core, where the depth gradient fades, and where directions turn fast.", NULL, 0, &pith_refine_params, NULL,
     NULL,
 };
 static const grammar shape = {
-    "shape", "The body: a mesh file or a fruit, and its tetrahedra.",
+    "shape", "The body's form: a mesh file, a fruit or a slab; and its tetrahedra.",
     KEYS({ "mesh", VALUE_FILE, "triangle mesh: OBJ, PLY, STL, OFF or GLB", NULL },
-         { "fruit", VALUE_OBJECT, "a body made by the program", &fruit },
+         { "fruit", VALUE_OBJECT, "a rounded body made by the program", &fruit },
+         { "slab", VALUE_OBJECT, "a layer, disc, tube or slice made by the program", &slab },
          { "tets", VALUE_OBJECT, "how it is filled with tetrahedra", &tets },
-         { "refine", VALUE_OBJECT, "smaller tetrahedra near the core; left out: none", &refine }),
-    NULL, NULL, NAMES("mesh", "fruit"),
+         { "refine", VALUE_OBJECT, "smaller tetrahedra where the fields need them; left out: none", &refine }),
+    NULL, NULL, NAMES("mesh", "fruit", "slab"),
 };
 static const grammar constraint = {
     "constraint", "Faces, a stroke or points, and the depth they have.",
@@ -141,23 +173,57 @@ static const grammar depth = {
     &pith_depth_params, NAMES("constraints"), NULL,
 };
 static const grammar direction = {
-    "direction", "The direction field that exemplars of type 1-B follow with their t axis.",
+    "direction", "The direction field that exemplars of types 0-C and 1-B follow with their t axis.",
     KEYS({ "strokes", VALUE_LINES, "polylines; the direction is along them", NULL }),
     &pith_smoothing_params, NAMES("strokes"), NULL,
 };
+static const grammar tangent = {
+    "tangent", "How strokes on the surface are spread over it.", NULL, 0, &pith_tangent_params, NULL, NULL,
+};
+static const grammar vectors = {
+    "vectors", "The vector field that exemplars of type 0-B follow with their t axis; strokes of one kind or of both.",
+    KEYS({ "surface", VALUE_LINES, "polylines on the surface; the field is along them", NULL },
+         { "inside", VALUE_LINES, "polylines inside the body; the same", NULL },
+         { "tangent", VALUE_OBJECT, "how the surface's strokes are spread over it", &tangent }),
+    &pith_volume_field_params, NULL, NULL,
+};
+static const grammar scale_point = {
+    "scale_point", "A place and the size of the exemplar there.",
+    KEYS({ "point", VALUE_POINT, "where; a place outside counts for the nearest inside", NULL }),
+    &document_scale_value_params, NAMES("point", "size"), NULL,
+};
+static const grammar scale = {
+    "scale", "The size of the exemplar of types 0, between the points smoothly; one point: the same everywhere.",
+    KEYS({ "points", VALUE_LIST, "where the size is known", &scale_point }),
+    &pith_smoothing_params, NAMES("points"), NULL,
+};
+static const grammar displacement = {
+    "displacement", "Moves the skin by a channel of the solid: bark, seeds in relief.", NULL, 0, &pith_displacement_params,
+    NULL, NULL,
+};
 static const grammar exemplar = {
-    "exemplar", "The texture a lapped solid is made of: axes r, s, t; s is the depth.",
-    KEYS({ "file", VALUE_FILE, "NRRD with three or more channels that tiles along r and t", NULL },
+    "exemplar", "The texture a lapped solid is made of: axes r, s, t; of types 1, s is the depth.",
+    KEYS({ "file", VALUE_FILE, "NRRD with three or more channels that tiles along r and t, for types 0 along s too",
+           NULL },
          { "recipe", VALUE_RECIPE, "JSON file with a layered recipe", NULL },
          { "layered", VALUE_OBJECT, "a layered recipe, here", &grammar_recipe }),
     NULL, NULL, NAMES("file", "recipe", "layered"),
+};
+static const grammar paste = {
+    "paste", "An exemplar set by hand at one place on top of the filled solid; its opacity and the splotch shape it.",
+    KEYS({ "exemplar", VALUE_OBJECT, "what is set there", &exemplar },
+         { "point", VALUE_POINT, "where the middle of its cube is, in the body", NULL },
+         { "up", VALUE_POINT, "direction of its s axis, of any length but 0", NULL },
+         { "along", VALUE_POINT, "direction of its t axis; made perpendicular to `up`", NULL }),
+    &document_paste_params, NAMES("exemplar", "point", "up", "along", "size"), NULL,
 };
 #define SOLID_KEYS                                                                                                     \
     { "name", VALUE_TEXT, "what the document calls it", NULL },                                                        \
     { "kind", VALUE_TEXT, "how it is made: the word above", NULL }
 static const grammar solid_kinds[] = {
     { "lapped", "Overlapping patches of an exemplar.",
-      KEYS(SOLID_KEYS, { "exemplar", VALUE_OBJECT, "its texture", &exemplar }),
+      KEYS(SOLID_KEYS, { "exemplar", VALUE_OBJECT, "its texture", &exemplar },
+           { "pastes", VALUE_LIST, "exemplars set by hand on top; the last is topmost", &paste }),
       &pith_lapped_params, NAMES("name", "kind", "exemplar"), NULL },
     { "grid", "A voxel grid, in the mesh's coordinates.",
       KEYS(SOLID_KEYS, { "file", VALUE_FILE, "NRRD", NULL }), &document_grid_params, NAMES("name", "kind", "file"),
@@ -170,10 +236,17 @@ static const grammar plane = {
          { "normal", VALUE_POINT, "its normal, of any length but 0", NULL }),
     NULL, NAMES("point", "normal"), NULL,
 };
+static const grammar stroke = {
+    "stroke", "A stroke drawn over the picture: the cut is swept by the rays from the eye through its points.",
+    KEYS({ "eye", VALUE_POINT, "where it was drawn from", NULL },
+         { "points", VALUE_LINE, "corners of the polyline, at any distance from the eye", NULL }),
+    &pith_cut_stroke_params, NAMES("eye", "points"), NULL,
+};
 static const grammar cut = {
-    "cut", "A planar cut of everything there is; cuts apply in order.",
-    KEYS({ "plane", VALUE_OBJECT, "where", &plane }),
-    &pith_cut_step_params, NAMES("plane"), NULL,
+    "cut", "A cut of everything there is, along a plane or a stroke; cuts apply in order.",
+    KEYS({ "plane", VALUE_OBJECT, "where", &plane },
+         { "stroke", VALUE_OBJECT, "the same, drawn", &stroke }),
+    &pith_cut_step_params, NULL, NAMES("plane", "stroke"),
 };
 static const grammar camera = {
     "camera", "Where pictures are taken from: an eye, or a direction from which everything is seen.",
@@ -186,12 +259,25 @@ static const grammar camera = {
 static const grammar render = {
     "render", "How pictures are made.", NULL, 0, &pith_render_params, NULL, NULL,
 };
+static const grammar transfer = {
+    "transfer", "The colour and opacity of a value; between values both are blended.",
+    KEYS({ "colour", VALUE_COLOUR, "the colour there", NULL }),
+    &document_transfer_params, NAMES("value", "colour"), NULL,
+};
+static const grammar volume = {
+    "volume", "How pictures are made of what is seen through.",
+    KEYS({ "transfer", VALUE_LIST, "colours by ascending value, instead of the solid's own", &transfer }),
+    &pith_volume_params, NULL, NULL,
+};
 #define BODY_KEYS                                                                                                      \
     { "shape", VALUE_OBJECT, "the body's form", &shape },                                                              \
     { "depth", VALUE_OBJECT, "the depth field; types 0-C, 1-A and 1-B need it", &depth },                              \
     { "direction", VALUE_OBJECT, "the direction field; types 0-C and 1-B need it", &direction },                       \
+    { "vectors", VALUE_OBJECT, "the vector field; type 0-B needs it", &vectors },                                      \
+    { "scale", VALUE_OBJECT, "the size of the exemplar; types 0-A, 0-B and 0-C need it", &scale },                     \
     { "solids", VALUE_KINDS, "what the body may be made of", solid_kinds },                                            \
-    { "solid", VALUE_TEXT, "the name of the solid it is made of; default: the first", NULL }
+    { "solid", VALUE_TEXT, "the name of the solid it is made of; default: the first", NULL },                      \
+    { "displacement", VALUE_OBJECT, "moves the skin by a channel of the solid; left out: it stays", &displacement }
 static const grammar body_entry = {
     "body", "One of several bodies: cut and seen together, each with a form, fields and solids of its own.",
     KEYS({ "name", VALUE_TEXT, "what the document calls it", NULL }, BODY_KEYS), NULL, NAMES("name", "shape"), NULL,
@@ -199,14 +285,15 @@ static const grammar body_entry = {
 const grammar grammar_body = { "body", "", KEYS(BODY_KEYS), NULL, NULL, NULL };
 const grammar grammar_document = {
     "document", "A model: its bodies, their fields, the solids they may be made of, and how it is cut and seen. A "
-    "document of one body has the body's keys (`shape` to `solid`) here; one of several has `bodies` instead.",
+    "document of one body has the body's keys (`shape` to `displacement`) here; one of several has `bodies` instead.",
     KEYS({ "pith", VALUE_VERSION, "version of the format: 1", NULL },
          { "title", VALUE_TEXT, "a name for people", NULL },
          BODY_KEYS,
          { "bodies", VALUE_LIST, "several bodies, instead of the keys of one", &body_entry },
-         { "cuts", VALUE_LIST, "planar cuts", &cut },
+         { "cuts", VALUE_LIST, "cuts, in order", &cut },
          { "camera", VALUE_OBJECT, "where pictures are taken from; default: fitted from the front, right and above",
            &camera },
-         { "render", VALUE_OBJECT, "how pictures are made", &render }),
+         { "render", VALUE_OBJECT, "how pictures are made", &render },
+         { "volume", VALUE_OBJECT, "how translucent pictures are made; with it the model is seen through", &volume }),
     NULL, NAMES("pith"), NAMES("shape", "bodies"),
 };

@@ -211,6 +211,9 @@ void pith_model_destroy(pith_model *model)
     pith_part_destroy(model->whole);
     pith_solid_destroy(model->solid);
     pith_grid_destroy(model->exemplar);
+    pith_free(model->scale);
+    pith_free(model->directions);
+    pith_volume_field_destroy(model->vectors);
     pith_free(model->secondary);
     pith_free(model->gradient);
     pith_free(model->depth);

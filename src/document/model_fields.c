@@ -1,4 +1,4 @@
-/* Fields of a body: depth and its gradient, secondary directions. */
+/* Fields of a body: depth and its gradient, secondary directions, the vector field, and the exemplar's size. */
 #include "model_internal.h"
 
 #include <string.h>
@@ -153,11 +153,28 @@ static void slots_keep(pith_model *model, const slots *all)
     model_keep(model, all->stage, all->key, &out);
 }
 
+/* The kept arrays, or built ones, which are then kept. */
+static pith_status slots_obtain(pith_model *model, slots *all,
+                                pith_status (*build)(pith_model *model, slots *all, pith_error *err), pith_error *err)
+{
+    all->vertices = pith_tets_look(model->tets).vertex_count;
+    if (slots_recall(model, all)) return PITH_OK;
+    PITH_TRY(slots_alloc(all, err));
+    const double start = pith_seconds();
+    const pith_status status = build(model, all, err);
+    if (status != PITH_OK) {
+        slots_clear(all);
+        return status;
+    }
+    model_took(model, offsetof(pith_model_times, fields), start);
+    slots_keep(model, all);
+    return PITH_OK;
+}
+
 /* ---- depth and direction ---------------------------------------------------------------------------------------------------- */
 
 static pith_status build_fields(pith_model *model, slots *all, pith_error *err)
 {
-    const double start = pith_seconds();
     pith_vec3 *gradient = (pith_vec3 *)all->slot[1].values, *secondary = (pith_vec3 *)all->slot[2].values;
     PITH_TRY(pith_progress_step(model->progress, 0.0, "depth and direction fields", err));
     PITH_TRY(model_build_depth(model, model->tets, all->slot[0].values, gradient, err));
@@ -167,23 +184,14 @@ static pith_status build_fields(pith_model *model, slots *all, pith_error *err)
         PITH_TRY(model_build_secondary(model, model->tets, model->locator, all->slot[0].values, gradient, secondary,
                                        err));
     }
-    model_took(model, offsetof(pith_model_times, fields), start);
     return PITH_OK;
 }
 
 static pith_status obtain_fields(pith_model *model, pith_error *err)
 {
-    slots all = { .stage = "fields", .what = "fields", .key = model->keys.fields, .slot = { { NULL, 1 }, { NULL, 3 }, { NULL, 3 } },
-                  .count = model->body->stroke_count ? 3 : 2, .vertices = pith_tets_look(model->tets).vertex_count };
-    if (!slots_recall(model, &all)) {
-        PITH_TRY(slots_alloc(&all, err));
-        const pith_status status = build_fields(model, &all, err);
-        if (status != PITH_OK) {
-            slots_clear(&all);
-            return status;
-        }
-        slots_keep(model, &all);
-    }
+    slots all = { .stage = "fields", .what = "fields", .key = model->keys.fields,
+                  .slot = { { NULL, 1 }, { NULL, 3 }, { NULL, 3 } }, .count = model->body->stroke_count ? 3 : 2 };
+    PITH_TRY(slots_obtain(model, &all, build_fields, err));
     model->depth = all.slot[0].values;
     model->gradient = (pith_vec3 *)all.slot[1].values;
     model->secondary = (pith_vec3 *)all.slot[2].values;
@@ -198,5 +206,104 @@ pith_status pith_model_fields(pith_model *model, const double **depth, const pit
     if (depth) *depth = model->depth;
     if (gradient) *gradient = model->gradient;
     if (secondary) *secondary = model->secondary;
+    return PITH_OK;
+}
+
+/* ---- the vector field -------------------------------------------------------------------------------------------------------- */
+
+static bool has_vectors(const document_body *body)
+{
+    return body->vectors.surface_count + body->vectors.inside_count > 0;
+}
+
+/* Tangents of the surface from the strokes on it; the caller frees them. */
+static pith_status build_tangents(pith_model *model, pith_vec3 **tangents, pith_error *err)
+{
+    const document_vectors *from = &model->body->vectors;
+    pith_vec3 *made = pith_alloc(pith_mesh_look(model->mesh).vertex_count, sizeof *made);
+    if (!made) return PITH_OUT_OF_MEMORY(err, "a tangent field");
+    pith_tangent_field *field = NULL;
+    pith_status status = pith_tangent_field_create(model->mesh, &from->tangent, &field, err);
+    if (status == PITH_OK) status = pith_tangent_field_solve(field, from->surface, from->surface_count, made, err);
+    pith_tangent_field_destroy(field);
+    if (status == PITH_OK) *tangents = made;
+    else pith_free(made);
+    return status == PITH_OK ? PITH_OK : model_fail_at(model, status, "vectors", "stroke", "vectors.surface", err);
+}
+
+static pith_status build_vectors(pith_model *model, pith_error *err)
+{
+    const document_vectors *from = &model->body->vectors;
+    pith_vec3 *tangents = NULL;
+    pith_volume_field *field = NULL;
+    PITH_TRY(pith_progress_step(model->progress, 0.0, "vector field", err));
+    PITH_TRY(pith_model_mesh(model, NULL, NULL, err));
+    if (from->surface_count) PITH_TRY(build_tangents(model, &tangents, err));
+    pith_status status = pith_volume_field_create(model->mesh, &from->volume, &field, err);
+    if (status == PITH_OK)
+        status = pith_volume_field_solve(field, tangents, from->inside, from->inside_count, model->progress, err);
+    pith_free(tangents);
+    if (status == PITH_OK) {
+        model->vectors = field;
+        return PITH_OK;
+    }
+    pith_volume_field_destroy(field);
+    return model_fail_at(model, status, "vectors", "stroke", "vectors.inside", err);
+}
+
+pith_status pith_model_vectors(pith_model *model, const pith_volume_field **vectors, pith_error *err)
+{
+    PITH_TRY(model_one_body(model, err));
+    if (!has_vectors(model->body))
+        return pith_fail(err, PITH_BAD_DOCUMENT, "%s: %svectors: is missing, and this needs the vector field",
+                         model->document->path, model->body->place);
+    if (!model->vectors) PITH_TRY(build_vectors(model, err));
+    if (vectors) *vectors = model->vectors;
+    return PITH_OK;
+}
+
+static pith_status build_directions(pith_model *model, slots *all, pith_error *err)
+{
+    PITH_TRY(pith_model_vectors(model, NULL, err));
+    pith_volume_field_sample(model->vectors, pith_tets_look(model->tets).positions, all->vertices,
+                             (pith_vec3 *)all->slot[0].values);
+    return PITH_OK;
+}
+
+pith_status pith_model_directions(pith_model *model, const pith_vec3 **directions, pith_error *err)
+{
+    PITH_TRY(pith_model_tets(model, NULL, NULL, err));
+    if (!model->directions && has_vectors(model->body)) {
+        slots all = { .stage = "vectors", .what = "directions", .key = model->keys.vectors, .slot = { { NULL, 3 } },
+                      .count = 1 };
+        PITH_TRY(slots_obtain(model, &all, build_directions, err));
+        model->directions = (pith_vec3 *)all.slot[0].values;
+    }
+    if (directions) *directions = model->directions;
+    return PITH_OK;
+}
+
+/* ---- the exemplar's size ------------------------------------------------------------------------------------------------------ */
+
+static pith_status build_scale(pith_model *model, slots *all, pith_error *err)
+{
+    const document_scale *from = &model->body->scale;
+    PITH_TRY(pith_progress_step(model->progress, 0.0, "scale field", err));
+    PITH_TRY(pith_model_locator(model, NULL, err));
+    const pith_status status = pith_scale_field(model->tets, model->locator, from->points, from->sizes, from->count,
+                                                &from->smoothing, all->slot[0].values, err);
+    return status == PITH_OK ? PITH_OK : model_fail_at(model, status, "scale", "scale point", "scale.points", err);
+}
+
+pith_status pith_model_scale(pith_model *model, const double **scale, pith_error *err)
+{
+    PITH_TRY(pith_model_tets(model, NULL, NULL, err));
+    if (!model->scale && model->body->scale.count > 0) {
+        slots all = { .stage = "scale", .what = "sizes", .key = model->keys.scale, .slot = { { NULL, 1 } },
+                      .count = 1 };
+        PITH_TRY(slots_obtain(model, &all, build_scale, err));
+        model->scale = all.slot[0].values;
+    }
+    if (scale) *scale = model->scale;
     return PITH_OK;
 }

@@ -46,6 +46,9 @@ struct pith_model {
     double *depth;              /* [vertex_count] */
     pith_vec3 *gradient;
     pith_vec3 *secondary;       /* NULL without strokes */
+    pith_volume_field *vectors; /* on voxels; not kept, made again when asked for */
+    pith_vec3 *directions;      /* the same at the tets' vertices; NULL without vectors */
+    double *scale;              /* NULL without sizes */
     pith_grid *exemplar;
     pith_solid *solid;
     pith_lapped_report fill_report;
@@ -57,6 +60,8 @@ struct pith_model {
     pith_render_item *items;    /* own their shells */
     size_t item_count, item_capacity;
     bool items_made;
+    piece_list volume;          /* the parts of volume_items */
+    pith_volume_item *volume_items; /* [volume.count] */
 };
 
 /* Adds a sentence to the notes. */

@@ -6,13 +6,18 @@
 /* ---- shape ---------------------------------------------------------------------------------------------------------------- */
 
 /* The key that says the shape, for messages. */
-static const char *shape_key(const document_body *body) { return body->mesh_file ? "shape.mesh" : "shape.fruit"; }
+static const char *shape_key(const document_body *body)
+{
+    static const char *const keys[] = { "shape.mesh", "shape.fruit", "shape.slab" };
+    return keys[body->shape];
+}
 
 static pith_status raw_mesh(const pith_model *model, pith_mesh **raw, pith_error *err)
 {
     const document_body *body = model->body;
-    const pith_status status = body->mesh_file ? pith_mesh_read(body->mesh_file, raw, err)
-                                               : pith_mesh_fruit(&body->fruit, raw, err);
+    const pith_status status = body->shape == SHAPE_MESH   ? pith_mesh_read(body->mesh_file, raw, err)
+                               : body->shape == SHAPE_SLAB ? pith_mesh_slab(&body->slab, raw, err)
+                                                           : pith_mesh_fruit(&body->fruit, raw, err);
     return status == PITH_OK ? PITH_OK : model_fail_at(model, status, shape_key(body), NULL, NULL, err);
 }
 

@@ -7,8 +7,15 @@
 
 /* ---- JSON Schema ------------------------------------------------------------------------------------------------------ */
 
-/* Every value goes through put or append, which remember when memory ran out; the caller looks once, at the end. */
-typedef struct schema_maker { bool failed; } schema_maker;
+/* Every value goes through put or append, which remember when memory ran out; the caller looks once, at the end. Every
+   object but the document itself is written once, under its name in "$defs", and referred to. */
+enum { MOST_GRAMMARS = 64 };
+typedef struct schema_maker {
+    bool failed;
+    json_t *definitions;
+    const grammar *known[MOST_GRAMMARS];
+    size_t known_count;
+} schema_maker;
 
 static json_t *schema_of(schema_maker *maker, const grammar *rules);
 
@@ -59,14 +66,27 @@ static json_t *list_schema(json_t *items, int least)
     return json_pack("{ss so si}", "type", "array", "items", items, "minItems", least);
 }
 
+/* A reference to the object's definition, which is made when it is not there yet. The word of a kind is fixed in it. */
+static json_t *reference(schema_maker *maker, const grammar *rules, bool is_kind)
+{
+    size_t at = 0;
+    while (at < maker->known_count && maker->known[at] != rules) ++at;
+    if (at == maker->known_count) {
+        json_t *made = schema_of(maker, rules);
+        if (is_kind)
+            put(maker, json_object_get(json_object_get(made, "properties"), "kind"), "const", json_string(rules->name));
+        /* Two grammars of one name, or too many: the schema would be wrong. */
+        if (maker->known_count == MOST_GRAMMARS || json_object_get(maker->definitions, rules->name)) maker->failed = true;
+        else maker->known[maker->known_count++] = rules;
+        put(maker, maker->definitions, rules->name, made);
+    }
+    return json_pack("{s: s+}", "$ref", "#/$defs/", rules->name);
+}
+
 static json_t *kinds_schema(schema_maker *maker, const grammar *kinds)
 {
     json_t *all = json_array();
-    for (size_t i = 0; kinds[i].name; ++i) {
-        json_t *one = schema_of(maker, &kinds[i]);
-        put(maker, json_object_get(json_object_get(one, "properties"), "kind"), "const", json_string(kinds[i].name));
-        append(maker, all, one);
-    }
+    for (size_t i = 0; kinds[i].name; ++i) append(maker, all, reference(maker, &kinds[i], true));
     return json_pack("{ss s{so}}", "type", "array", "items", "oneOf", all);
 }
 
@@ -88,8 +108,8 @@ static json_t *value_schema(schema_maker *maker, const grammar_key *key)
     case VALUE_SIZES:
         return json_pack("{ss s{ss si si} si si}", "type", "array", "items", "type", "integer", "minimum", 8, "maximum",
                          256, "minItems", 3, "maxItems", 3);
-    case VALUE_OBJECT: return schema_of(maker, key->inner);
-    case VALUE_LIST: return list_schema(schema_of(maker, key->inner), 0);
+    case VALUE_OBJECT: return reference(maker, key->inner, false);
+    case VALUE_LIST: return list_schema(reference(maker, key->inner, false), 0);
     case VALUE_KINDS: return kinds_schema(maker, key->inner);
     }
     return NULL;
@@ -136,14 +156,16 @@ static pith_status give_text(text_buffer *buffer, char **text, const char *what,
 
 pith_status pith_document_schema(char **text, pith_error *err)
 {
-    schema_maker maker = { false };
+    schema_maker maker = { .definitions = json_object() };
     json_t *root = json_pack("{ss ss}", "$schema", "https://json-schema.org/draft/2020-12/schema", "title",
                              "A pith document, version 1");
     json_t *schema = schema_of(&maker, &grammar_document);
-    const bool good = !maker.failed && json_object_update(root, schema) == 0;
+    const bool good = !maker.failed && json_object_update(root, schema) == 0 &&
+                      json_object_set(root, "$defs", maker.definitions) == 0;
     text_buffer buffer = { .failed = !good };
     if (good) text_add_json(&buffer, root, 0);
     text_add(&buffer, "\n");
+    json_decref(maker.definitions);
     json_decref(schema);
     json_decref(root);
     return give_text(&buffer, text, "the schema", err);
@@ -197,36 +219,66 @@ static void add_option(text_buffer *out, const grammar *rules, const pith_param 
     text_add(out, " | %s |\n", param->help);
 }
 
-/* One table for the object at path ("" is the document itself), then those of the objects in it. */
-static void add_section(text_buffer *out, const grammar *rules, const char *path, bool is_kind)
+/* Where each object is described: at the first place it may stand. */
+typedef struct described { const grammar *rules; char path[200]; } described;
+typedef struct keys_maker { text_buffer *out; described seen[MOST_GRAMMARS]; size_t count; } keys_maker;
+
+static const char *seen_at(const keys_maker *maker, const grammar *rules)
 {
+    for (size_t i = 0; i < maker->count; ++i)
+        if (maker->seen[i].rules == rules) return maker->seen[i].path;
+    return NULL;
+}
+
+static void inner_path(const char *path, const grammar_key *key, char inner[200])
+{
+    snprintf(inner, 200, "%s%s%s%s", path, path[0] ? "." : "", key->name, key->kind == VALUE_OBJECT ? "" : "[]");
+}
+
+static void add_key(const keys_maker *maker, const grammar *rules, const grammar_key *key, const char *path)
+{
+    const char *need = among(key->name, rules->required) ? "must be given"
+                       : among(key->name, rules->one_of) ? "one of these"
+                                                         : "";
+    char inner[200];
+    inner_path(path, key, inner);
+    const char *elsewhere = key->inner ? seen_at(maker, key->inner) : NULL;
+    text_add(maker->out, "| `%s` | %s", key->name, word_of(key->kind));
+    if (elsewhere && strcmp(elsewhere, inner) != 0) text_add(maker->out, ", see `%s`", elsewhere);
+    text_add(maker->out, " | %s | %s |\n", need, key->help);
+}
+
+/* One table for the object at path ("" is the document itself), then those of the objects in it. */
+static void add_section(keys_maker *maker, const grammar *rules, const char *path, bool is_kind)
+{
+    text_buffer *out = maker->out;
+    if (maker->count == MOST_GRAMMARS) out->failed = true;
+    if (out->failed) return;
+    described *here = &maker->seen[maker->count++];
+    here->rules = rules;
+    snprintf(here->path, sizeof here->path, "%s", path);
     if (!path[0]) text_add(out, "### The document");
     else text_add(out, "\n### `%s`", path);
     if (is_kind) text_add(out, " of kind \"%s\"", rules->name);
     text_add(out, "\n\n%s\n\n| key | value | default | |\n| --- | --- | --- | --- |\n", rules->help);
-    for (size_t i = 0; i < rules->key_count; ++i) {
-        const grammar_key *key = &rules->keys[i];
-        const char *need = among(key->name, rules->required) ? "must be given"
-                           : among(key->name, rules->one_of) ? "one of these"
-                                                             : "";
-        text_add(out, "| `%s` | %s | %s | %s |\n", key->name, word_of(key->kind), need, key->help);
-    }
+    for (size_t i = 0; i < rules->key_count; ++i) add_key(maker, rules, &rules->keys[i], path);
     for (size_t i = 0; rules->params && i < rules->params->count; ++i) add_option(out, rules, &rules->params->items[i]);
 
     for (size_t i = 0; i < rules->key_count; ++i) {
         const grammar_key *key = &rules->keys[i];
         char inner[200];
-        snprintf(inner, sizeof inner, "%s%s%s%s", path, path[0] ? "." : "", key->name,
-                 key->kind == VALUE_OBJECT ? "" : "[]");
-        if (key->kind == VALUE_OBJECT || key->kind == VALUE_LIST) add_section(out, key->inner, inner, false);
+        inner_path(path, key, inner);
+        if (!key->inner || seen_at(maker, key->inner)) continue;
+        if (key->kind != VALUE_KINDS) add_section(maker, key->inner, inner, false);
         for (size_t k = 0; key->kind == VALUE_KINDS && key->inner[k].name; ++k)
-            add_section(out, &key->inner[k], inner, true);
+            add_section(maker, &key->inner[k], inner, true);
     }
 }
 
 pith_status pith_document_keys(char **text, pith_error *err)
 {
     text_buffer out = { 0 };
-    add_section(&out, &grammar_document, "", false);
+    keys_maker maker = { .out = &out };
+    add_section(&maker, &grammar_document, "", false);
     return give_text(&out, text, "the keys", err);
 }

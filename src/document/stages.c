@@ -184,14 +184,31 @@ static uint64_t hash_direction(const document_body *body, uint64_t hash)
     return hash_options(&pith_smoothing_params, &body->smoothing, hash);
 }
 
+static uint64_t hash_vectors(const document_vectors *vectors, uint64_t hash)
+{
+    hash = hash_strokes(vectors->surface, vectors->surface_count, hash);
+    hash = hash_strokes(vectors->inside, vectors->inside_count, hash);
+    hash = hash_options(&pith_tangent_params, &vectors->tangent, hash);
+    return hash_options(&pith_volume_field_params, &vectors->volume, hash);
+}
+
+static uint64_t hash_scale(const document_scale *scale, uint64_t hash)
+{
+    hash = pith_hash_bytes(scale->points, scale->count * sizeof *scale->points, hash);
+    hash = pith_hash_bytes(scale->sizes, scale->count * sizeof *scale->sizes, hash);
+    return hash_options(&pith_smoothing_params, &scale->smoothing, hash);
+}
+
 static pith_status hash_shape(const document_body *body, uint64_t *hash, pith_error *err)
 {
     if (body->mesh_file) PITH_TRY(hash_file(body->mesh_file, hash, err));
+    else if (body->shape == SHAPE_SLAB) *hash = hash_options(&pith_slab_params, &body->slab, *hash);
     else *hash = hash_options(&pith_fruit_params, &body->fruit, *hash);
     *hash = hash_options(&pith_tets_params, &body->tets, *hash);
     *hash = hash_options(&pith_refine_params, &body->refine, *hash);
-    /* Refining looks at the depth field. */
-    if (body->refine.passes > 0) *hash = hash_constraints(body, *hash);
+    /* Refining looks at the fields. */
+    if (body->refine.passes > 0 || body->refine.singular_passes > 0) *hash = hash_constraints(body, *hash);
+    if (body->refine.singular_passes > 0) *hash = hash_direction(body, *hash);
     return PITH_OK;
 }
 
@@ -202,18 +219,38 @@ static pith_status hash_exemplar(const document_exemplar *exemplar, uint64_t *ha
     return PITH_OK;
 }
 
+pith_status stage_key_of_exemplar(const document_exemplar *exemplar, uint64_t *key, pith_error *err)
+{
+    uint64_t hash = pith_mix64(STAGE_VERSION);
+    PITH_TRY(hash_exemplar(exemplar, &hash, err));
+    *key = hash;
+    return PITH_OK;
+}
+
+/* A fill depends on the fields that its type looks at, and on no other. */
+static uint64_t hash_fill(const stage_keys *keys, const pith_lapped_options *options)
+{
+    const type_needs *needs = type_needs_of(options->type);
+    const uint64_t used[5] = { keys->exemplar, keys->tets, needs->direction ? keys->fields : needs->depth ? keys->depth : 0,
+                               needs->vectors ? keys->vectors : 0, needs->scale ? keys->scale : 0 };
+    return hash_options(&pith_lapped_params, options, pith_hash_bytes(used, sizeof used, 0));
+}
+
 pith_status stage_keys_of(const document_body *body, stage_keys *keys, pith_error *err)
 {
     stage_keys made;
     const uint64_t start = pith_mix64(STAGE_VERSION);
     made.tets = made.exemplar = made.patches = start;
     PITH_TRY(hash_shape(body, &made.tets, err));
-    made.fields = hash_direction(body, hash_constraints(body, made.tets));
+    made.depth = hash_constraints(body, made.tets);
+    made.fields = hash_direction(body, made.depth);
+    made.vectors = hash_vectors(&body->vectors, pith_mix64(made.tets));
+    made.scale = hash_scale(&body->scale, made.tets);
 
     const document_solid *solid = body->solid_count ? &body->solids[body->solid] : NULL;
     if (solid && solid->kind == SOLID_LAPPED) {
-        PITH_TRY(hash_exemplar(&solid->exemplar, &made.exemplar, err));
-        made.patches = hash_options(&pith_lapped_params, &solid->lapped, pith_mix64(made.exemplar) ^ made.fields);
+        PITH_TRY(stage_key_of_exemplar(&solid->exemplar, &made.exemplar, err));
+        made.patches = hash_fill(&made, &solid->lapped);
     }
     *keys = made;
     return PITH_OK;

@@ -18,6 +18,11 @@
     " { \"depth\": 1, \"colour\": \"#f0f0d0\" } ] }"
 #define SAMPLE_SOLID                                                                                                   \
     "{ \"name\": \"flesh\", \"kind\": \"lapped\", \"type\": \"1-B\", \"exemplar\": { \"layered\": " SAMPLE_RECIPE " } }"
+#define SAMPLE_SOLID_1A                                                                                                \
+    "{ \"name\": \"rock\", \"kind\": \"lapped\", \"type\": \"1-A\", \"exemplar\": { \"layered\": " SAMPLE_RECIPE " } }"
+#define SAMPLE_DEPTH_OF_SLAB                                                                                           \
+    "\"depth\": { \"constraints\": [ { \"points\": [[0.7, 0, 0.5], [-0.7, 0, 0.5], [0, 0.7, 0.5]], \"depth\": 0 },"    \
+    " { \"points\": [[0.7, 0, 0], [-0.7, 0, 0], [0, 0.7, 0]], \"depth\": 1 } ] }"
 #define SAMPLE_DOCUMENT                                                                                                \
     "{ \"pith\": 1, \"title\": \"sample\", " SAMPLE_SHAPE ", " SAMPLE_DEPTH ", " SAMPLE_DIRECTION                      \
     ", \"solids\": [ " SAMPLE_SOLID " ] }"

@@ -84,7 +84,7 @@ static const refusal refusals[] = {
     { "{ \"pith\": 1, \"shapes\": {} }", "kiwi.pith: unknown key \"shapes\"; did you mean \"shape\"?" },
     { WITH("\"title\": 3"), "kiwi.pith: title: is a number, expected a text" },
     /* shape */
-    { "{ \"pith\": 1, \"shape\": {} }", "kiwi.pith: shape: has 0 of \"mesh\", \"fruit\", expected exactly one" },
+    { "{ \"pith\": 1, \"shape\": {} }", "kiwi.pith: shape: has 0 of \"mesh\", \"fruit\", \"slab\", expected exactly" },
     { "{ \"pith\": 1, \"shape\": { \"mesh\": \"no.obj\" } }", "kiwi.pith: shape.mesh: there is no file no.obj" },
     { "{ \"pith\": 1, \"shape\": { \"mesh\": \"a\\u0000b\" } }", "kiwi.pith: line 1" },
     { "{ \"pith\": 1, \"shape\": { \"fruit\": { \"radius\": 1 } } }", "shape.fruit: unknown key \"radius\"; did you mean" },
@@ -134,7 +134,7 @@ static const refusal refusals[] = {
     { RECIPE("\"strip\": \"no.png\""), "exemplar.layered.strip: there is no file no.png" },
     { RECIPE("\"particles\": [ { \"densty\": 3 } ]"), "particles[0]: unknown key \"densty\"; did you mean \"density\"?" },
     /* cuts and camera */
-    { WITH("\"cuts\": [ {} ]"), "cuts[0]: \"plane\" is missing" },
+    { WITH("\"cuts\": [ {} ]"), "cuts[0]: has 0 of \"plane\", \"stroke\", expected exactly one" },
     { WITH("\"cuts\": [ { \"plane\": { \"point\": [0, 0, 0], \"normal\": [0, 0, 0] } } ]"),
       "cuts[0].plane.normal: has no length" },
     { WITH("\"cuts\": [ { \"plane\": { \"point\": [0, 0, 0], \"normal\": [0, 0, 1] }, \"keep\": \"positiv\" } ]"),
