@@ -16,7 +16,8 @@ static void sample_volume(const void *user, const pith_vec3 *points, size_t coun
     pith_volume_field_sample(field, points, count, vectors);
     for (size_t i = 0; i < count; ++i) {
         const pith_vec3 d = pith_sub(points[i], view.origin);
-        const int64_t x = voxel_along(d.x, view.spacing, view.size[0]), y = voxel_along(d.y, view.spacing, view.size[1]);
+        const int64_t x = voxel_along(d.x, view.spacing, view.size[0]);
+        const int64_t y = voxel_along(d.y, view.spacing, view.size[1]);
         const int64_t z = voxel_along(d.z, view.spacing, view.size[2]);
         if (x < 0 || y < 0 || z < 0 || !view.inside[(z * view.size[1] + y) * view.size[0] + x])
             vectors[i] = pith_v3(0, 0, 0);

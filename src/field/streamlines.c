@@ -15,10 +15,10 @@ static const pith_param streamline_items[] = {
       PITH_PARAM_DOUBLE, 1e-3, 0.03, 0.5, OPTION(spacing), NULL },
     { "stop_spacing", "1", "how near lines may come, in spacings; more ends them earlier", PITH_PARAM_DOUBLE, 0.1, 0.5,
       1.0, OPTION(stop_spacing), NULL },
-    { "step_error", "1", "error of an integration step, in spacings; more is faster", PITH_PARAM_DOUBLE, 1e-8, 1e-4, 0.1,
-      OPTION(step_error), NULL },
-    { "longest", "1", "length at which a line is cut, as a fraction of the diagonal", PITH_PARAM_DOUBLE, 0.01, 2.0, 100.0,
-      OPTION(longest), NULL },
+    { "step_error", "1", "error of an integration step, in spacings; more is faster", PITH_PARAM_DOUBLE, 1e-8, 1e-4,
+      0.1, OPTION(step_error), NULL },
+    { "longest", "1", "length at which a line is cut, as a fraction of the diagonal", PITH_PARAM_DOUBLE, 0.01, 2.0,
+      100.0, OPTION(longest), NULL },
     { "shortest", "1", "lines shorter than this fraction of the diagonal are dropped", PITH_PARAM_DOUBLE, 0.0, 0.05,
       10.0, OPTION(shortest), NULL },
     { "most", "1", "lines; the first that are found stay", PITH_PARAM_UINT, 1, 10000, 1000000, OPTION(most), NULL },
@@ -151,13 +151,13 @@ static pith_status check_candidates(const pith_vec3 *candidates, size_t count, p
         return pith_fail(err, PITH_BAD_ARGUMENT, "streamlines: no candidate to start from; give points in the body");
     for (size_t i = 0; i < count; ++i)
         if (!pith_finite(candidates[i]))
-            return pith_fail(err, PITH_BAD_ARGUMENT, "streamlines: candidate %zu is (%g, %g, %g), expected finite numbers",
-                             i, candidates[i].x, candidates[i].y, candidates[i].z);
+            return pith_fail(err, PITH_BAD_ARGUMENT, "streamlines: candidate %zu is (%g, %g, %g), expected finite "
+                             "numbers", i, candidates[i].x, candidates[i].y, candidates[i].z);
     *box = pith_box_of(candidates, count);
     const double diagonal = pith_distance(box->low, box->high);
     if (diagonal > 0.0 && diagonal < INFINITY) return PITH_OK;
-    return pith_fail(err, PITH_BAD_ARGUMENT, "streamlines: the candidates span nothing, so that a spacing has no meaning; "
-                     "give points all over the body");
+    return pith_fail(err, PITH_BAD_ARGUMENT, "streamlines: the candidates span nothing, so that a spacing has no "
+                     "meaning; give points all over the body");
 }
 
 /* Directions at the candidates, and below which length a vector is none. */
@@ -171,8 +171,8 @@ static pith_status sample_candidates(streamlines *s, const pith_vec3 *candidates
         if (isfinite(length)) greatest = fmax(greatest, length);
     }
     if (!(greatest > 0.0))
-        return pith_fail(err, PITH_BAD_ARGUMENT, "streamlines: the field is zero at all %zu candidates; draw a stroke, or "
-                         "give points inside the body", count);
+        return pith_fail(err, PITH_BAD_ARGUMENT, "streamlines: the field is zero at all %zu candidates; draw a stroke, "
+                         "or give points inside the body", count);
     s->tracing.zero = 1e-9 * greatest;
     return PITH_OK;
 }

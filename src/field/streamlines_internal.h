@@ -31,8 +31,8 @@ void near_free(near_grid *grid);
 bool near_add(near_grid *grid, const near_piece *piece); /* false: no memory */
 void near_drop(near_grid *grid, size_t count);           /* forgets the pieces added behind the first count */
 /* Is a piece of another line nearer than distance, or one of the same line with more than `apart` of it between them?
-   Of the latter, those whose distance from their line's seed is below `apart` count as its start, and anything else that
-   is near comes first. The piece asked about carries its line and its place there. */
+   Of the latter, those whose distance from their line's seed is below `apart` count as its start, and anything else
+   that is near comes first. The piece asked about carries its line and its place there. */
 near_what near_find(const near_grid *grid, const near_piece *piece, double distance, double apart);
 /* Distance of two segments. */
 double near_distance(pith_vec3 a, pith_vec3 b, pith_vec3 c, pith_vec3 d);

@@ -100,7 +100,8 @@ static double clamp_unit(double t) { return t > 0.0 ? (t < 1.0 ? t : 1.0) : 0.0;
 double near_distance(pith_vec3 a, pith_vec3 b, pith_vec3 c, pith_vec3 d)
 {
     const pith_vec3 u = pith_sub(b, a), v = pith_sub(d, c), w = pith_sub(a, c);
-    const double uu = pith_dot(u, u), vv = pith_dot(v, v), uv = pith_dot(u, v), uw = pith_dot(u, w), vw = pith_dot(v, w);
+    const double uu = pith_dot(u, u), vv = pith_dot(v, v), uv = pith_dot(u, v);
+    const double uw = pith_dot(u, w), vw = pith_dot(v, w);
     double s = 0.0, t = 0.0;
     if (uu > 0.0 && vv > 0.0) {
         const double det = uu * vv - uv * uv;

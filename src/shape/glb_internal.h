@@ -28,8 +28,8 @@ json_int_t glb_add_accessor(glb_writer *writer, json_int_t view, size_t offset, 
 void glb_add_bounds(glb_writer *writer, const pith_vec3 *positions, uint32_t count);
 /* PITH_BAD_MESH for positions that single precision cannot hold, or more bytes than a file can; what: "mesh". */
 pith_status glb_check(const pith_vec3 *positions, uint32_t count, uint64_t bytes, const char *what, pith_error *err);
-/* Writes the file of a document (which must not have buffers, views or accessors yet; taken over, may be NULL) and frees
-   the writer. */
+/* Writes the file of a document (which must not have buffers, views or accessors yet; taken over, may be NULL) and
+   frees the writer. */
 pith_status glb_finish(glb_writer *writer, json_t *root, mesh_bytes *bytes, pith_error *err);
 
 #endif

@@ -8,7 +8,8 @@ enum { SIDES = 6, VERTICES = 3 * SIDES + 2, TRIANGLES = 6 * SIDES };
 /* Three rings from the foot to the head's rim, a vertex at the foot and one at the tip. */
 static void add_arrow(pith_mesh *mesh, pith_vec3 foot, pith_vec3 along)
 {
-    static const double radius[3] = { shaft_radius, shaft_radius, head_radius }, height[3] = { 0, head_start, head_start };
+    static const double radius[3] = { shaft_radius, shaft_radius, head_radius };
+    static const double height[3] = { 0, head_start, head_start };
     const double length = pith_length(along);
     const pith_vec3 axis = pith_scale(along, 1.0 / length), u = pith_perpendicular(axis), v = pith_cross(axis, u);
     const uint32_t base = mesh->vertex_count, tip = base + 3 * SIDES + 1;

@@ -313,7 +313,7 @@ static uint32_t find_one(const pith_locator *l, pith_vec3 p, double reach, doubl
 void pith_locator_find(const pith_locator *locator, const pith_vec3 *points, size_t count, double reach, uint32_t *tet,
                        double (*weights)[4])
 {
-    if (count < PARALLEL_FROM || omp_in_parallel()) { /* a parallel region costs more than a point, even with one thread */
+    if (count < PARALLEL_FROM || omp_in_parallel()) { /* a parallel region costs more than a point, even alone */
         for (size_t i = 0; i < count; ++i) tet[i] = find_one(locator, points[i], reach, weights[i]);
         return;
     }

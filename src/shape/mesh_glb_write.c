@@ -22,7 +22,8 @@ static void add_normals(glb_writer *writer, json_t *attributes, const pith_mesh_
     const size_t start = writer->binary.size;
     for (uint32_t v = 0; v < view->vertex_count; ++v) {
         const pith_vec3 unit = pith_unit(view->normals[v]);
-        glb_add_vector(writer, pith_dot(unit, unit) > 0.5 ? unit : pith_v3(0, 0, 1)); /* the format knows no zero normal */
+        const bool any = pith_dot(unit, unit) > 0.5; /* the format knows no zero normal */
+        glb_add_vector(writer, any ? unit : pith_v3(0, 0, 1));
     }
     add_attribute(writer, attributes, "NORMAL", start, view->vertex_count, "VEC3");
 }

@@ -1,10 +1,10 @@
 /* Constrained Delaunay triangulation in the plane: insertion by walking and flipping (Lawson, "Software for C1 surface
-   interpolation", 1977), then missing border edges by flips (Sloan, "A fast algorithm for generating constrained Delaunay
-   triangulations", Computers & Structures 47(3), 1993).
+   interpolation", 1977), then missing border edges by flips (Sloan, "A fast algorithm for generating constrained
+   Delaunay triangulations", Computers & Structures 47(3), 1993).
 
-   Points are lifted to the paraboloid once, in floating point; from there on every sign is exact. So the triangulation is
-   that of points with weights that differ by a rounding from zero: always a proper one, whatever is collinear or lies
-   on one circle. */
+   Points are lifted to the paraboloid once, in floating point; from there on every sign is exact. So the triangulation
+   is that of points with weights that differ by a rounding from zero: always a proper one, whatever is collinear or
+   lies on one circle. */
 #include "mesh_internal.h"
 #include "slab_internal.h"
 

@@ -61,8 +61,9 @@ static double slope_at(uint64_t seed, double i, double j, double dx, double dy)
 static double noise(double x, double y, uint64_t seed)
 {
     const double i = floor(x), j = floor(y), u = x - i, v = y - j, fu = fade(u), fv = fade(v);
-    const double low = slope_at(seed, i, j, u, v) * (1.0 - fu) + slope_at(seed, i + 1, j, u - 1, v) * fu;
-    const double high = slope_at(seed, i, j + 1, u, v - 1) * (1.0 - fu) + slope_at(seed, i + 1, j + 1, u - 1, v - 1) * fu;
+    const double a = slope_at(seed, i, j, u, v), b = slope_at(seed, i + 1, j, u - 1, v);
+    const double c = slope_at(seed, i, j + 1, u, v - 1), d = slope_at(seed, i + 1, j + 1, u - 1, v - 1);
+    const double low = a * (1.0 - fu) + b * fu, high = c * (1.0 - fu) + d * fu;
     return sqrt(2.0) * (low * (1.0 - fv) + high * fv); /* with unit slopes the noise stays within sqrt(1/2) */
 }
 
@@ -130,8 +131,8 @@ static pith_status make_body(const pith_slab_options *o, const slab_plan *plan, 
     const double wanted = fmax(1.0, nearbyint((o->top - o->bottom) / plan->edge));
     const double vertices = 2.0 * plan->count + (wanted - 1.0) * plan->border_count;
     if (!(vertices <= MOST_VERTICES))
-        return pith_fail(err, PITH_BAD_ARGUMENT, "the slab would have %g vertices, expected at most %d; lower detail, or "
-                         "make it less tall", vertices, MOST_VERTICES);
+        return pith_fail(err, PITH_BAD_ARGUMENT, "the slab would have %g vertices, expected at most %d; lower detail, "
+                         "or make it less tall", vertices, MOST_VERTICES);
     const slab_walls walls = { plan->count, plan->border_count, (uint32_t)wanted };
     pith_mesh *made = mesh_new((uint32_t)vertices, 2 * plan->triangle_count + 2 * walls.rows * walls.border, false,
                                false, false);

@@ -7,8 +7,8 @@ static pith_status check_line(const pith_polylines_view *from, uint32_t line, pi
 {
     const uint32_t first = from->start[line], end = from->start[line + 1];
     if (end < first || end - first < 2)
-        return pith_fail(err, PITH_BAD_ARGUMENT, "pith_polylines_create: line %u runs from point %u to before %u, expected "
-                         "two points or more", line, first, end);
+        return pith_fail(err, PITH_BAD_ARGUMENT, "pith_polylines_create: line %u runs from point %u to before %u, "
+                         "expected two points or more", line, first, end);
     double longest = 0.0;
     for (uint32_t i = first; i < end; ++i) {
         const pith_vec3 p = from->points[i];

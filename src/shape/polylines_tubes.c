@@ -1,5 +1,6 @@
 /* Round tubes about polylines. The rings are carried along without turning about the line (parallel transport; Bishop,
-   "There is more than one way to frame a curve", American Mathematical Monthly 82(3), 1975), so that tubes do not twist. */
+   "There is more than one way to frame a curve", American Mathematical Monthly 82(3), 1975), so that tubes do not
+   twist. */
 #include "polylines_internal.h"
 
 enum { MOST_SIDES = 256 };
@@ -118,7 +119,8 @@ pith_status pith_polylines_tubes(const pith_polylines *lines, double radius, uin
 {
     if (!lines || !mesh) return pith_fail(err, PITH_BAD_ARGUMENT, "pith_polylines_tubes: a pointer is NULL");
     if (!(radius > 0.0 && radius <= MESH_COORDINATE_LIMIT))
-        return pith_fail(err, PITH_BAD_ARGUMENT, "pith_polylines_tubes: the radius is %g, expected more than 0", radius);
+        return pith_fail(err, PITH_BAD_ARGUMENT, "pith_polylines_tubes: the radius is %g, expected more than 0",
+                         radius);
     if (sides < 3 || sides > MOST_SIDES)
         return pith_fail(err, PITH_BAD_ARGUMENT, "pith_polylines_tubes: %u sides, expected 3 to %d", sides, MOST_SIDES);
     const uint64_t points = lines->start[lines->line_count], most = points * sides + 2 * (uint64_t)lines->line_count;

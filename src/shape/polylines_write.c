@@ -75,7 +75,8 @@ static json_t *add_primitives(glb_writer *writer, const pith_polylines *lines, c
 
 static pith_status write_glb(const pith_polylines *lines, const float (*colours)[3], const char *path, pith_error *err)
 {
-    if (lines->line_count == 0) return pith_fail(err, PITH_BAD_ARGUMENT, "no line at all cannot be a GLB file; write VTP");
+    if (lines->line_count == 0)
+        return pith_fail(err, PITH_BAD_ARGUMENT, "no line at all cannot be a GLB file; write VTP");
     const uint32_t points = lines->start[lines->line_count];
     PITH_TRY(glb_check(lines->points, points, 24 * (uint64_t)points + 300 * (uint64_t)lines->line_count,
                        "set of lines", err));

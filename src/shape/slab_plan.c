@@ -69,8 +69,8 @@ static double angle_at(const arc_table *table, double length)
 static pith_status add_point(slab_plan *plan, pith_vec3 p, pith_error *err)
 {
     if (plan->count >= MOST_POINTS)
-        return pith_fail(err, PITH_BAD_ARGUMENT, "the slab's plan would have more than %d points; lower detail, or make "
-                         "it less thin", MOST_POINTS);
+        return pith_fail(err, PITH_BAD_ARGUMENT, "the slab's plan would have more than %d points; lower detail, or "
+                         "make it less thin", MOST_POINTS);
     if (!pith_grow((void **)&plan->points, &plan->point_room, (size_t)plan->count + 1, sizeof *plan->points))
         return PITH_OUT_OF_MEMORY(err, "the slab's plan");
     plan->points[plan->count++] = p;

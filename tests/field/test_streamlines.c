@@ -81,7 +81,8 @@ static pith_polylines *trace(const pith_directions *field, const pith_vec3 *cand
     const double start = pith_seconds();
     CHECK_OK(pith_streamlines(field, candidates, count, options, NULL, &lines, &err));
     const pith_polylines_view view = pith_polylines_look(lines);
-    print_message("%u lines, %u points, %.3f s\n", view.line_count, view.start[view.line_count], pith_seconds() - start);
+    print_message("%u lines, %u points, %.3f s\n", view.line_count, view.start[view.line_count],
+                  pith_seconds() - start);
     return lines;
 }
 
@@ -140,6 +141,9 @@ static double length_of(const pith_polylines_view *lines, uint32_t line)
 
 /* ---- closed forms ------------------------------------------------------------------------------------------------ */
 
+/* Angle about the z axis. */
+static double turn_between(pith_vec3 p, pith_vec3 q) { return atan2(p.x * q.y - p.y * q.x, p.x * q.x + p.y * q.y); }
+
 static void test_circles(void **state)
 {
     (void)state;
@@ -162,7 +166,7 @@ static void test_circles(void **state)
         for (uint32_t i = 0; i + 1 < n; ++i) {
             worst = fmax(worst, fabs(hypot(at[i].x, at[i].y) / radius - 1.0));
             CHECK_NEAR(at[i].z, at[0].z, 1e-14);
-            turned += atan2(at[i].x * at[i + 1].y - at[i].y * at[i + 1].x, at[i].x * at[i + 1].x + at[i].y * at[i + 1].y);
+            turned += turn_between(at[i], at[i + 1]);
         }
         CHECK_NEAR(turned, 2.0 * M_PI, 1e-9); /* once around */
     }
@@ -173,7 +177,7 @@ static void test_circles(void **state)
     free(candidates);
 }
 
-/* Smaller steps bring the radius nearer: with the third power of the step, that is at least with the tolerance itself. */
+/* Smaller steps bring the radius nearer: about as the tolerance itself. */
 static void test_error_follows_the_tolerance(void **state)
 {
     (void)state;
@@ -219,7 +223,7 @@ static void test_helices(void **state)
         const uint32_t n = view.start[line + 1] - view.start[line];
         double turned = 0.0;
         for (uint32_t i = 1; i < n; ++i) {
-            turned += atan2(at[i - 1].x * at[i].y - at[i - 1].y * at[i].x, at[i - 1].x * at[i].x + at[i - 1].y * at[i].y);
+            turned += turn_between(at[i - 1], at[i]);
             worst = fmax(worst, fabs(hypot(at[i].x, at[i].y) / hypot(at[0].x, at[0].y) - 1.0));
             worst_rise = fmax(worst_rise, fabs(at[i].z - at[0].z - tube.rise * turned));
         }
@@ -287,8 +291,8 @@ static void test_lines_end_where_the_field_turns_back(void **state)
     free(candidates);
 }
 
-/* A spiral ends when it comes near itself, and no part of a line is nearer to another part than the stop distance unless
-   it is just round a bend. */
+/* A spiral ends when it comes near itself, and no part of a line is nearer to another part than the stop distance
+   unless it is just round a bend. */
 static void test_spirals_end(void **state)
 {
     (void)state;
@@ -302,8 +306,8 @@ static void test_spirals_end(void **state)
         pith_polylines *lines = trace(&field, candidates, 3, &options);
         const pith_polylines_view view = pith_polylines_look(lines);
         const double length = length_of(&view, 0), stop = 0.5 * options.spacing * sqrt(8.0);
-        /* A turn brings it 2 π inward r nearer to the axis: 0.11, 0.028, 0.0057 for a stop of 0.042. The last is so near
-           that it counts as closed. */
+        /* A turn brings it 2 π inward r nearer to the axis: 0.11, 0.028, 0.0057 for a stop of 0.042. The last is so
+           near that it counts as closed. */
         CHECK_AT_LEAST(length, 2.0 * M_PI * 0.8);
         if (k == 1) CHECK_AT_MOST(length, 2.0 * M_PI * 1.8);
         const bool closed = pith_distance(view.points[0], view.points[view.start[1] - 1]) == 0.0;
@@ -420,7 +424,8 @@ static void test_directions_of_tets(void **state)
     pith_rng rng = pith_rng_make(4, 1);
     int outside = 0;
     for (int i = 0; i < N; ++i)
-        at[i] = pith_v3(1.2 * pith_rng_unit(&rng) - 0.1, 1.2 * pith_rng_unit(&rng) - 0.1, 1.2 * pith_rng_unit(&rng) - 0.1);
+        at[i] = pith_v3(1.2 * pith_rng_unit(&rng) - 0.1, 1.2 * pith_rng_unit(&rng) - 0.1,
+                        1.2 * pith_rng_unit(&rng) - 0.1);
     field.sample(field.user, at, N, all);
     for (int i = 0; i < N; ++i) {
         const pith_vec3 p = at[i];
@@ -503,8 +508,8 @@ static bool stop_at_once(void *user, double fraction, const char *what)
 static void test_refusals(void **state)
 {
     (void)state;
-    const pith_directions along = { sample_along, NULL }, nothing = { sample_nothing, NULL }, nan = { sample_nothing, &err };
-    const pith_directions missing = { NULL, NULL };
+    const pith_directions along = { sample_along, NULL }, nothing = { sample_nothing, NULL };
+    const pith_directions nan = { sample_nothing, &err }, missing = { NULL, NULL };
     const pith_vec3 two[] = { { 0.2, 0.2, 0.2 }, { 0.8, 0.8, 0.8 } }, same[] = { { 0.5, 0.5, 0.5 }, { 0.5, 0.5, 0.5 } };
     const pith_vec3 wild[] = { { 0.5, 0.5, 0.5 }, { 0.5, INFINITY, 0.5 } };
     pith_streamline_options options = pith_streamline_options_default();

@@ -125,8 +125,8 @@ static void test_volumes_converge_to_closed_forms(void **state)
             double shortest, longest, edge = 2.0 * fmax(o.radius_x, o.radius_y) / detail;
             if (o.hole > 0.0) edge = fmin(edge, (1.0 - o.hole) * fmin(o.radius_x, o.radius_y));
             edge_range(&view, &shortest, &longest);
-            print_message("%-10s %3u: %6u triangles, volume off by %.1e, angles from %.1f, edges %.2f .. %.2f\n", k->name,
-                          detail, view.triangle_count, off[level], angle, shortest / edge, longest / edge);
+            print_message("%-10s %3u: %6u triangles, volume off by %.1e, angles from %.1f, edges %.2f .. %.2f\n",
+                          k->name, detail, view.triangle_count, off[level], angle, shortest / edge, longest / edge);
             CHECK_AT_LEAST(angle, k->least_angle);
             CHECK_AT_MOST(longest, k->longest * edge);
             CHECK_AT_LEAST(shortest, 0.25 * edge);
@@ -266,8 +266,8 @@ static void test_layers_share_their_border(void **state)
         assert_int_equal(ups, downs);
         assert_true(ups > 100);
         assert_memory_equal(up, down, ups * sizeof *up);
-        CHECK_NEAR(check_closed(a, low.hole > 0 && low.sweep == 360) + check_closed(b, low.hole > 0 && low.sweep == 360),
-                   check_closed(whole, low.hole > 0 && low.sweep == 360), 1e-12);
+        const uint32_t genus = low.hole > 0 && low.sweep == 360;
+        CHECK_NEAR(check_closed(a, genus) + check_closed(b, genus), check_closed(whole, genus), 1e-12);
         free(up);
         free(down);
         pith_mesh_destroy(a);
@@ -345,7 +345,8 @@ static int check_plane(const pith_vec3 *points, uint32_t count, const uint32_t *
             for (uint32_t u = 0; u < triangle_count; ++u) /* the neighbour has the edge the other way round */
                 for (int j = 0; j < 3; ++j)
                     if (triangles[u][j] == b && triangles[u][(j + 1) % 3] == a)
-                        bad += clearly_inside(points[v[0]], points[v[1]], points[v[2]], points[triangles[u][(j + 2) % 3]]);
+                        bad += clearly_inside(points[v[0]], points[v[1]], points[v[2]],
+                                              points[triangles[u][(j + 2) % 3]]);
         }
     }
     CHECK_NEAR(area, loops, 1e-12 * loops);
