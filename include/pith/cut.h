@@ -84,11 +84,14 @@ extern const pith_params pith_cut_stroke_params;
 pith_cut_stroke_options pith_cut_stroke_options_default(void);
 /** A scalar at each vertex of the part that is negative on the left and positive on the right of the stroke as seen from
  *  the eye, and 0 on the surface it sweeps (Takayama 2008 §5.1.1; thesis §5.3.1): an RBF in the plane of the picture with
- *  centres on the stroke (0) and to either side of it; beyond its ends the stroke goes on straight. Vertices at or
- *  behind the eye get the sign of the nearest end's side. values [vertex_count], roughly in model units near the
- *  stroke. 200 000 tets: well under 100 ms together with the split.
+ *  centres on the stroke (0) and to either side of it, kept within half its offset of the exact signed distance, so that
+ *  it is 0 nowhere else. Beyond its ends the stroke goes on straight, turned aside where it would run into itself; ends
+ *  that meet close a loop. What it does outside the model's outline does not count. Vertices at or behind the eye get
+ *  the sign of the nearest end's side. values [vertex_count], in model units near the stroke.
+ *  They are values at the model's own vertices, interpolated in its tets: all parts are cut along the same surface, and
+ *  the same stroke again changes nothing. 200 000 tets: 6 ms on two cores, 17 ms together with the split.
  *  PITH_BAD_ARGUMENT: fewer than two different points, no length, a point at the eye or behind it, not finite, a stroke
- *  that crosses itself (the two sides would not be told apart). */
+ *  that crosses itself (the two sides would not be told apart) or shuts in its own end. */
 pith_status pith_part_stroke_values(const pith_part *part, const pith_cut_stroke *stroke,
                                     const pith_cut_stroke_options *options, double *values, pith_error *err);
 
