@@ -166,6 +166,14 @@ static void add_picture(const volume_scene *scene, const volume_rays *rays, doub
     }
 }
 
+static pith_status send_rays(const volume_scene *scene, volume_scratch *s, uint32_t tile, uint32_t sample, pith_error *err)
+{
+    s->batch->count = 0; /* what a failed tile may have left */
+    if (scene->options->method == PITH_VOLUME_SLICES)
+        return volume_slicer_tile(scene, s->slicer, tile, s->batch, s->rays, err);
+    return volume_march_tile(scene, s->march, tile, sample, s->batch, s->rays, err);
+}
+
 static pith_status volume_tile(const void *of, void *scratch, uint32_t tile_x, uint32_t tile_y, pith_image *image,
                                pith_error *err)
 {
@@ -182,11 +190,7 @@ static pith_status volume_tile(const void *of, void *scratch, uint32_t tile_x, u
     memset(s->pixels, 0, VOLUME_PIXELS * sizeof *s->pixels);
     for (uint32_t sample = 0; sample < samples; ++sample) {
         start_rays(scene, sample, rays);
-        s->batch->count = 0; /* what a failed tile may have left */
-        if (empty) (void)0;
-        else if (scene->options->method == PITH_VOLUME_MARCH)
-            PITH_TRY(volume_march_tile(scene, s->march, tile, sample, s->batch, rays, err));
-        else PITH_TRY(volume_slicer_tile(scene, s->slicer, tile, s->batch, rays, err));
+        if (!empty) PITH_TRY(send_rays(scene, s, tile, sample, err));
         add_picture(scene, rays, s->pixels);
     }
     for (uint32_t j = 0; j < rays->height; ++j)

@@ -20,7 +20,7 @@ typedef struct piece {
 
 struct volume_slicer {
     piece *pieces;              /* as many as the tile's bin has */
-    size_t piece_capacity, list_capacity, slice_capacity, free_capacity;
+    size_t piece_capacity, list_capacity, slice_capacity, active_capacity;
     uint32_t *list;             /* the bin's elements by their first slice */
     uint32_t *slice_start;      /* [slices + 1] into list */
     uint32_t *active;           /* elements that the slice may cross */
@@ -59,7 +59,7 @@ static pith_status make_lists(const volume_scene *scene, volume_slicer *s, uint3
     const uint32_t count = scene->bin_start[tile + 1] - scene->bin_start[tile], slices = scene->options->slices;
     if (!pith_grow((void **)&s->pieces, &s->piece_capacity, count, sizeof *s->pieces) ||
         !pith_grow((void **)&s->list, &s->list_capacity, count, sizeof *s->list) ||
-        !pith_grow((void **)&s->active, &s->free_capacity, count, sizeof *s->active) ||
+        !pith_grow((void **)&s->active, &s->active_capacity, count, sizeof *s->active) ||
         !pith_grow((void **)&s->slice_start, &s->slice_capacity, (size_t)slices + 2, sizeof *s->slice_start))
         return PITH_OUT_OF_MEMORY(err, "the tets of a tile");
     memset(s->slice_start, 0, ((size_t)slices + 2) * sizeof *s->slice_start);
