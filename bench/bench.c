@@ -11,6 +11,7 @@ static const bench benches[] = {
     { "lapped", "meshing, fields, fill, cut, saved size and sampling of the shipped models", bench_lapped },
     { "fields", "RBF solves and evaluation, Laplacian smoothing", bench_fields },
     { "render", "pictures of the shipped kiwi", bench_render },
+    { "volume", "translucent pictures of a fibrous tube", bench_volume },
 };
 enum { BENCH_COUNT = sizeof benches / sizeof *benches };
 
@@ -133,7 +134,7 @@ int verb_bench(int argc, char **argv)
         { "csv", 0, CLI_SWITCH, &csv, NULL, "print CSV, as kept in bench/results", 0, 0, NULL },
     };
     cli_line line = {
-        .verb = "bench", .words = "lapped|fields|render", .least_words = 1, .most_words = 1, .flags = flags,
+        .verb = "bench", .words = "lapped|fields|render|volume", .least_words = 1, .most_words = 1, .flags = flags,
         .flag_count = sizeof flags / sizeof *flags,
         .summary = "Measures. Each case has times (least and median of repeated runs), a figure of quality beside them, and\n"
                    "the largest memory.",
