@@ -1,8 +1,6 @@
 /* Streamlines against curves known in closed form, and against what evenly spaced means: by brute force. */
 #include "boxes.h"
 
-#include <omp.h>
-
 static pith_error err;
 
 /* ---- fields ------------------------------------------------------------------------------------------------------ */
@@ -495,6 +493,63 @@ static void test_a_tube_of_tets(void **state)
     pith_mesh_destroy(mesh);
 }
 
+/* One straight stroke in a ball makes a field that is the same everywhere; it ends where the inner voxels do. */
+static bool in_voxels(const pith_volume_view *view, pith_vec3 p)
+{
+    const long x = lround((p.x - view->origin.x) / view->spacing), y = lround((p.y - view->origin.y) / view->spacing);
+    const long z = lround((p.z - view->origin.z) / view->spacing);
+    if (x < 0 || y < 0 || z < 0 || x >= view->size[0] || y >= view->size[1] || z >= view->size[2]) return false;
+    return view->inside[((size_t)z * view->size[1] + (size_t)y) * view->size[0] + (size_t)x] != 0;
+}
+
+static void test_directions_of_voxels(void **state)
+{
+    (void)state;
+    pith_fruit_options ball = pith_fruit_options_default();
+    ball.detail = 3;
+    pith_mesh *mesh = NULL;
+    CHECK_OK(pith_mesh_fruit(&ball, &mesh, &err));
+    pith_volume_field_options voxels = pith_volume_field_options_default();
+    voxels.voxels = 24;
+    pith_volume_field *volume = NULL;
+    CHECK_OK(pith_volume_field_create(mesh, &voxels, &volume, &err));
+    const pith_vec3 corners[] = { { -0.5, 0.1, 0 }, { 0.5, 0.1, 0 } };
+    const pith_stroke stroke = { corners, 2 };
+    CHECK_OK(pith_volume_field_solve(volume, NULL, &stroke, 1, NULL, &err));
+    const pith_directions field = pith_directions_of_volume(volume);
+    const pith_volume_view view = pith_volume_field_look(volume);
+
+    pith_rng rng = pith_rng_make(6, 1);
+    int inside = 0;
+    for (int i = 0; i < 4000; ++i) {
+        const pith_vec3 p = pith_scale(pith_rng_direction(&rng), 1.5 * pith_rng_unit(&rng));
+        pith_vec3 v;
+        field.sample(field.user, &p, 1, &v);
+        CHECK_NEAR(pith_distance(v, pith_v3(in_voxels(&view, p), 0, 0)), 0.0, 1e-4); /* the solver's tolerance */
+        inside += in_voxels(&view, p);
+    }
+    assert_true(inside > 1500 && inside < 3500);
+
+    size_t count;
+    pith_vec3 *candidates = grid_points(pith_v3(-1, -1, -1), pith_v3(1, 1, 1), 10, &count);
+    pith_streamline_options options = pith_streamline_options_default();
+    options.spacing = 0.05;
+    pith_polylines *lines = trace(&field, candidates, count, &options);
+    const pith_polylines_view made = pith_polylines_look(lines);
+    assert_true(made.line_count > 50);
+    const double beyond = 1e-3 * options.spacing * sqrt(12.0);
+    for (uint32_t line = 0; line < made.line_count; ++line) {
+        const pith_vec3 first = made.points[made.start[line]], last = made.points[made.start[line + 1] - 1];
+        for (uint32_t i = made.start[line]; i < made.start[line + 1]; ++i) assert_true(in_voxels(&view, made.points[i]));
+        assert_false(in_voxels(&view, pith_v3(first.x - beyond, first.y, first.z)));
+        assert_false(in_voxels(&view, pith_v3(last.x + beyond, last.y, last.z)));
+    }
+    pith_polylines_destroy(lines);
+    free(candidates);
+    pith_volume_field_destroy(volume);
+    pith_mesh_destroy(mesh);
+}
+
 /* ---- refusals ---------------------------------------------------------------------------------------------------- */
 
 static bool stop_at_once(void *user, double fraction, const char *what)
@@ -566,6 +621,7 @@ int main(void)
         cmocka_unit_test(test_lines_end_where_the_field_turns_back), cmocka_unit_test(test_spirals_end),
         cmocka_unit_test(test_distances_and_coverage), cmocka_unit_test(test_limits),
         cmocka_unit_test(test_directions_of_tets), cmocka_unit_test(test_a_tube_of_tets),
+        cmocka_unit_test(test_directions_of_voxels),
         cmocka_unit_test(test_refusals), cmocka_unit_test(test_failing_allocations),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
