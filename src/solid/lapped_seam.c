@@ -36,29 +36,30 @@ static uint32_t cell_number(int i, int j, int k) { return (uint32_t)((k * CUT_SI
 
 /* ---- what lies there ----------------------------------------------------------------------------------------------------- */
 
-/* Below this the old patches do not hide what is behind them. */
-static const float enough = 0.95f;
+/* Where old patches' alphas add up to this, the coverage test calls the place covered (§5.2.6). */
+static const float enough = 254.5f / 255.0f;
 
-/* Colour of the stack in a tet, composed front to back; returns the weight it reached. */
+/* Colour of the stack in a tet, composed front to back; returns the sum of the alphas. */
 static float stack_colour(const lapped_stack *stack, const lapped_mask *masks, const lapped_exemplar *exemplar,
                           uint32_t tet, const float w[4], float colour[3])
 {
-    float through = 1.0f, weight = 0.0f;
+    float through = 1.0f, weight = 0.0f, alphas = 0.0f;
     v4 sum = { 0, 0, 0, 0 };
     for (uint32_t n = stack->top[tet]; n != PITH_NONE && through > 0.0f; n = stack->nodes[n].below) {
         const lapped_node *node = &stack->nodes[n];
         const lapped_patch *patch = &stack->patches[node->entry.patch];
         const lapped_cut *cut = stack->cuts ? &stack->cuts[node->entry.patch] : NULL;
         const spot at = entry_spot(&node->entry, node->s, w, 0.0f);
-        const float factor = through * entry_alpha(&node->entry, patch, masks, cut, w, at);
+        const float alpha = entry_alpha(&node->entry, patch, masks, cut, w, at), factor = through * alpha;
         if (!(factor > 0.0f)) continue;
+        alphas += alpha;
         const cell found = exemplar_cell(exemplar, patch, at);
         sum += factor * exemplar_colour(exemplar->values, exemplar->channels, &found);
         weight += factor;
         through -= factor;
     }
     for (int c = 0; c < 3; ++c) colour[c] = weight > 0.0f ? sum[c] / weight : 0.0f;
-    return weight;
+    return alphas;
 }
 
 /* Rows of the map from texture coordinates to a tet's barycentric ones: w_k = row[k] · (r, s, t, 1). False when the tet has
@@ -115,8 +116,8 @@ static void look_at_tet(const look *at, uint32_t tet, float rst[4][3])
                     w[c] = (float)value;
                 }
                 if (!inside) continue;
-                const float weight = stack_colour(at->stack, at->masks, at->exemplar, tet, w, at->seam->old[number]);
-                at->seam->state[number] = weight >= enough ? CELL_SHARED : CELL_BARE;
+                const float alphas = stack_colour(at->stack, at->masks, at->exemplar, tet, w, at->seam->old[number]);
+                at->seam->state[number] = alphas >= enough ? CELL_SHARED : CELL_BARE;
             }
 }
 
@@ -130,6 +131,30 @@ static void lay_splotch(lapped_seam *seam, const lapped_mask *mask, bool homogen
                                     (homogeneous && (j == 0 || j == CUT_SIZE - 1));
                 const float alpha = lapped_mask_alpha(mask, cell_centre(i), cell_centre(j), cell_centre(k));
                 seam->state[cell_number(i, j, k)] = !border && alpha >= 0.5f ? CELL_EMPTY : CELL_BEYOND;
+            }
+}
+
+/* Is one of the 26 cells round this one, or itself, of that value? i and k are not at the border. */
+static bool beside(const uint8_t *cells, uint8_t value, int i, int j, int k)
+{
+    for (int n = 0; n < 27; ++n) {
+        const int row = j + n / 3 % 3 - 1;
+        if (row >= 0 && row < CUT_SIZE && cells[cell_number(i + n % 3 - 1, row, k + n / 9 - 1)] == value) return true;
+    }
+    return false;
+}
+
+/* Shared cells beside bare ones become bare: between the centres of the two the old patches end somewhere, and what is left
+   of a bare place at its rim would need a patch of its own. */
+static void widen_bare(lapped_seam *seam)
+{
+    uint8_t *before = seam->labels; /* not in use yet */
+    memcpy(before, seam->state, CELLS);
+    for (int k = 1; k < CUT_SIZE - 1; ++k)
+        for (int j = 0; j < CUT_SIZE; ++j)
+            for (int i = 1; i < CUT_SIZE - 1; ++i) {
+                if (before[cell_number(i, j, k)] != CELL_SHARED) continue;
+                if (beside(before, CELL_BARE, i, j, k)) seam->state[cell_number(i, j, k)] = CELL_BARE;
             }
 }
 
@@ -151,6 +176,7 @@ void lapped_seam_look(lapped_seam *seam, const lapped_context *context, const la
         }
         look_at_tet(&at, work->tets[i], rst);
     }
+    widen_bare(seam);
     const double centre[3] = { 0.5, depth, 0.5 };
     for (int c = 0; c < 3; ++c)
         seam->centre[c] = (uint32_t)fmax(0.0, fmin(CUT_SIZE - 2, floor(centre[c] * CUT_SIZE - 0.5)));
@@ -263,12 +289,32 @@ static void set_capacities(lapped_seam *seam, const lapped_exemplar *exemplar, c
     }
 }
 
+/* Cells outside the body follow those inside: the body's surface lies between the two, and alpha there mixes both. */
+static void extend_outside(lapped_seam *seam)
+{
+    enum { ROUNDS = 3 };
+    uint8_t *before = (uint8_t *)seam->source; /* the capacities have done their work */
+    for (uint32_t n = 0; n < CELLS; ++n)
+        if (seam->state[n] == CELL_EMPTY) seam->labels[n] = 0;
+    for (int round = 0; round < ROUNDS; ++round) {
+        memcpy(before, seam->labels, CELLS);
+        for (int k = 1; k < CUT_SIZE - 1; ++k)
+            for (int j = 0; j < CUT_SIZE; ++j)
+                for (int i = 1; i < CUT_SIZE - 1; ++i) {
+                    const uint32_t number = cell_number(i, j, k);
+                    if (seam->state[number] == CELL_EMPTY && !before[number])
+                        seam->labels[number] = beside(before, 1, i, j, k);
+                }
+    }
+}
+
 pith_status lapped_seam_cut(lapped_seam *seam, const lapped_exemplar *exemplar, const float offset[3], lapped_cut *cut,
                             pith_error *err)
 {
     const uint32_t size[3] = { CUT_SIZE, CUT_SIZE, CUT_SIZE };
     set_capacities(seam, exemplar, offset);
     PITH_TRY(pith_grid_min_cut(size, seam->source, seam->sink, &seam->along[0][0], seam->labels, NULL, err));
+    extend_outside(seam);
     for (int k = 0; k < CUT_SIZE; ++k)
         for (int j = 0; j < CUT_SIZE; ++j) {
             uint32_t row = 0;

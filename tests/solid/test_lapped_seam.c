@@ -96,7 +96,7 @@ static double blurred(const model *m, const pith_solid *solid)
 static void test_bricks_are_not_blurred(void **state)
 {
     (void)state;
-    model m = slab_model(4);
+    model m = slab_model(3);
     pith_grid *exemplar = exemplar_of(48, brick_colour);
     double *scale = pith_alloc(m.view.vertex_count, sizeof *scale);
     for (uint32_t v = 0; v < m.view.vertex_count; ++v) scale[v] = 0.8;
@@ -134,11 +134,11 @@ static void test_bricks_are_not_blurred(void **state)
 static void test_same_bytes_and_saved(void **state)
 {
     (void)state;
-    model m = ball_model(6);
+    model m = ball_model(4);
     pith_grid *exemplar = exemplar_of(24, brick_colour);
     for (int type = 0; type < 2; ++type) {
         double *scale = pith_alloc(m.view.vertex_count, sizeof *scale);
-        for (uint32_t v = 0; v < m.view.vertex_count; ++v) scale[v] = 0.7;
+        for (uint32_t v = 0; v < m.view.vertex_count; ++v) scale[v] = 0.9;
         pith_lapped_options options = pith_lapped_options_default();
         options.type = type ? PITH_TYPE_1B : PITH_TYPE_0C;
         options.boundary = PITH_BOUNDARY_CUT;
