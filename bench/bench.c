@@ -11,6 +11,7 @@ static const bench benches[] = {
     { "lapped", "meshing, fields, fill, cut, saved size and sampling of the shipped models", bench_lapped },
     { "fields", "RBF solves and evaluation, Laplacian smoothing", bench_fields },
     { "render", "pictures of the shipped kiwi", bench_render },
+    { "cut", "cuts and splits along planes and strokes, bodies", bench_cut },
     { "volume", "translucent pictures of a fibrous tube", bench_volume },
 };
 enum { BENCH_COUNT = sizeof benches / sizeof *benches };
@@ -127,14 +128,14 @@ int verb_bench(int argc, char **argv)
     int threads = 0;
     const cli_flag flags[] = {
         { "repeats", 'r', CLI_WHOLE, &options.repeats, "N", "timed runs after a warm-up; default 5", 1, 64, NULL },
-        { "curve", 0, CLI_SWITCH, &options.curve, NULL, "lapped: the kiwi from 5 000 to 500 000 tetrahedra", 0, 0, NULL },
-        { "largest", 0, CLI_WHOLE, &options.largest, "N", "lapped: the curve stops at N tetrahedra", 5000, 500000, NULL },
+        { "curve", 0, CLI_SWITCH, &options.curve, NULL, "lapped, cut: from 5 000 to 500 000 tetrahedra", 0, 0, NULL },
+        { "largest", 0, CLI_WHOLE, &options.largest, "N", "lapped, cut: the curve stops at N tetrahedra", 5000, 500000, NULL },
         { "threads", 0, CLI_WHOLE, &threads, "N", "threads to use", 1, 256, NULL },
         { "json", 0, CLI_SWITCH, &json, NULL, "print JSON", 0, 0, NULL },
         { "csv", 0, CLI_SWITCH, &csv, NULL, "print CSV, as kept in bench/results", 0, 0, NULL },
     };
     cli_line line = {
-        .verb = "bench", .words = "lapped|fields|render|volume", .least_words = 1, .most_words = 1, .flags = flags,
+        .verb = "bench", .words = "lapped|fields|render|volume|cut", .least_words = 1, .most_words = 1, .flags = flags,
         .flag_count = sizeof flags / sizeof *flags,
         .summary = "Measures. Each case has times (least and median of repeated runs), a figure of quality beside them, and\n"
                    "the largest memory.",

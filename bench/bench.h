@@ -7,13 +7,13 @@
 
 typedef struct bench_options {
     int repeats;    /* timed runs after one warm-up */
-    bool curve;     /* lapped: the kiwi from 5 000 to 500 000 tetrahedra */
-    int largest;    /* lapped: the curve stops here */
+    bool curve;     /* lapped, cut: from 5 000 to 500 000 tetrahedra */
+    int largest;    /* lapped, cut: the curve stops here */
 } bench_options;
 
 /* Appends cases {"name": …, measures…} to the list. */
 typedef pith_status bench_run(const bench_options *options, json_t *cases, pith_error *err);
-bench_run bench_lapped, bench_fields, bench_render, bench_volume;
+bench_run bench_lapped, bench_fields, bench_render, bench_volume, bench_cut;
 
 /* Times of repeated runs. */
 typedef struct bench_times { double seconds[64]; int count; } bench_times;
