@@ -363,7 +363,7 @@ static void test_flakes(void **state)
 {
     (void)state;
     static const cut_kind kinds[8] = { BESIDE_FACE, STROKE, BESIDE_FACE, ALONG_FACE, BESIDE_FACE, PLANE, BESIDE_FACE, FIELD };
-    run_hundred("flakes", bunny(), 3, kinds, 1e-20);
+    run_hundred("flakes", bunny(), 3, kinds, 1e-22);
 }
 
 int main(void)
