@@ -75,7 +75,7 @@ typedef struct pith_cut_step {
     uint32_t keep;          /* pith_keep: the sides that stay; positive is where the normal points */
     double gap;             /* when both stay: how far they are moved apart along the normal, model units */
 } pith_cut_step;
-extern const pith_params pith_cut_step_params; /* of keep and gap */
+extern const pith_params pith_cut_step_params; /* of keep, gap and separate */
 
 /* ---- recipes of exemplars ----------------------------------------------------------------------------------------- */
 

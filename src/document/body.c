@@ -188,8 +188,8 @@ static pith_status check_needs(reader *in, const document_body *body, uint32_t t
     if (needs->scale && body->scale.count == 0)
         return reader_fail(in, "type %s needs the exemplar's size; give the body \"scale\" with points", needs->word);
     if (needs->direction && body->stroke_count == 0)
-        return reader_fail(in, "type %s needs a direction field; give the body \"direction\" with strokes, or take type "
-                           "%s", needs->word, type == PITH_TYPE_1B ? "1-A" : "0-A");
+        return reader_fail(in, "type %s needs a direction field; give the body \"direction\" with strokes, or take "
+                           "type %s", needs->word, type == PITH_TYPE_1B ? "1-A" : "0-A");
     return PITH_OK;
 }
 
@@ -200,7 +200,8 @@ static pith_status build_paste(pith_document *made, reader *in, const json_t *fr
     to->up = json_point(json_object_get(from, "up"));
     to->along = json_point(json_object_get(from, "along"));
     if (!(pith_length(pith_cross(pith_unit(to->up), pith_unit(to->along))) > 1e-6))
-        return reader_fail(in, "\"up\" and \"along\" must be two directions, of any length but 0, that are not parallel");
+        return reader_fail(in, "\"up\" and \"along\" must be two directions that are not parallel, of any "
+                           "length but 0");
     const size_t length = reader_enter(in, "exemplar");
     PITH_TRY(build_exemplar(made, in, json_object_get(from, "exemplar"), &to->exemplar));
     reader_leave(in, length);

@@ -40,16 +40,16 @@ static pith_status check_encoding(const char *file, const char *text, size_t siz
 {
     if (size == 0) return pith_fail(err, PITH_BAD_DOCUMENT, "%s: line 1, column 0: the file is empty", file);
     if (size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0)
-        return pith_fail(err, PITH_BAD_DOCUMENT, "%s: begins with a byte-order mark (EF BB BF); save it as UTF-8 without "
-                         "one", file);
+        return pith_fail(err, PITH_BAD_DOCUMENT, "%s: begins with a byte-order mark (EF BB BF); save it as UTF-8 "
+                         "without one", file);
     if (size >= 2 && (memcmp(text, "\xff\xfe", 2) == 0 || memcmp(text, "\xfe\xff", 2) == 0))
         return pith_fail(err, PITH_BAD_DOCUMENT, "%s: is UTF-16; save it as UTF-8", file);
     const char *zero = memchr(text, 0, size);
     if (!zero) return PITH_OK;
     int line = 1;
     for (const char *at = text; at < zero; ++at) line += *at == '\n';
-    return pith_fail(err, PITH_BAD_DOCUMENT, "%s: line %d: there is a zero byte (byte %td of the file); a document is plain "
-                     "text", file, line, zero - text);
+    return pith_fail(err, PITH_BAD_DOCUMENT, "%s: line %d: there is a zero byte (byte %td of the file); a document is "
+                     "plain text", file, line, zero - text);
 }
 
 /* The parser's words, but where they would not help. */

@@ -19,14 +19,15 @@ static pith_status check_cut(const pith_cut_step *cut, size_t index, pith_error 
     pith_status status = pith_params_check(&pith_cut_step_params, cut, err);
     if (status != PITH_OK) return pith_fail_in(err, status, "cut %zu", index);
     if (cut->stroke.count > 0) {
-        if (!cut->stroke.points) return pith_fail(err, PITH_BAD_ARGUMENT, "cut %zu: the stroke has no points", index);
+        if (!cut->stroke.points)
+            return pith_fail(err, PITH_BAD_ARGUMENT, "cut %zu: the stroke's points are NULL", index);
         status = pith_params_check(&pith_cut_stroke_params, &cut->follow, err);
         return status == PITH_OK ? PITH_OK : pith_fail_in(err, status, "cut %zu", index);
     }
     const pith_plane *plane = &cut->plane;
     if (!pith_finite(plane->point) || !pith_finite(plane->normal) || !(pith_length(plane->normal) > 0.0))
-        return pith_fail(err, PITH_BAD_ARGUMENT, "cut %zu: the plane's point and normal must be finite numbers, and the "
-                         "normal not zero", index);
+        return pith_fail(err, PITH_BAD_ARGUMENT, "cut %zu: the plane's point and normal must be finite numbers, and "
+                         "the normal not zero", index);
     return PITH_OK;
 }
 
@@ -83,8 +84,8 @@ bool cut_keeps(const pith_cut_step *cut, bool positive)
     return cut->keep == PITH_KEEP_BOTH || (cut->keep == PITH_KEEP_POSITIVE) == positive;
 }
 
-/* Where the positive side of a cut is. A stroke sweeps a fan of triangles about the eye, whose right is the cross product
-   of its two rays; of the fan the mean is taken, every triangle by the angle it is seen under. */
+/* Where the positive side of a cut is. A stroke sweeps a fan of triangles about the eye, whose right is the cross
+   product of its two rays; of the fan the mean is taken, every triangle by the angle it is seen under. */
 static pith_vec3 cut_normal(const pith_cut_step *cut)
 {
     if (cut->stroke.count == 0) return pith_unit(cut->plane.normal);

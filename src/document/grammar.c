@@ -13,7 +13,7 @@ static const pith_param refine_items[] = {
       PITH_PARAM_DOUBLE, 0, 0.85, 1, offsetof(pith_refine_options, depth_above), NULL },
     { "passes", "1", "how often; each pass about halves the edges there in three passes, 0 leaves the mesh as it is",
       PITH_PARAM_UINT, 0, 1, 8, offsetof(pith_refine_options, passes), NULL },
-    { "singular_angle", "degrees", "tets in which the directions turn by more than this are bisected; lower refines more",
+    { "singular_angle", "degrees", "tets in which directions turn by more than this are bisected; lower refines more",
       PITH_PARAM_DOUBLE, 10, 60, 180, offsetof(pith_refine_options, singular_angle), NULL },
     { "singular_passes", "1", "how often; more resolves poles and axes of the fields more finely, 0 not at all",
       PITH_PARAM_UINT, 0, 0, 6, offsetof(pith_refine_options, singular_passes), NULL },
@@ -22,10 +22,10 @@ const pith_params pith_refine_params = { "refine", refine_items, 4, sizeof(pith_
 
 static const char *const keep_words[] = { "both", "positive", "negative", NULL };
 static const pith_param cut_items[] = {
-    { "keep", "1", "the sides that stay; positive is where the normal points, or right of the stroke", PITH_PARAM_CHOICE, 0, PITH_KEEP_BOTH, 2,
-      offsetof(pith_cut_step, keep), keep_words },
-    { "gap", "model units", "how far two kept sides are moved apart along the cut's normal", PITH_PARAM_DOUBLE, 0, 0, 1e9,
-      offsetof(pith_cut_step, gap), NULL },
+    { "keep", "1", "the sides that stay; positive is where the normal points, or right of the stroke",
+      PITH_PARAM_CHOICE, 0, PITH_KEEP_BOTH, 2, offsetof(pith_cut_step, keep), keep_words },
+    { "gap", "model units", "how far two kept sides are moved apart along the cut's normal", PITH_PARAM_DOUBLE, 0, 0,
+      1e9, offsetof(pith_cut_step, gap), NULL },
     { "separate", "1", "afterwards every connected body is a part of its own", PITH_PARAM_BOOL, 0, 0, 1,
       offsetof(pith_cut_step, separate), NULL },
 };
@@ -65,36 +65,38 @@ static const pith_param stop_items[] = {
 const pith_params document_stop_params = { "stop", stop_items, 2, sizeof(stop_value) };
 
 static const pith_param scale_value_items[] = {
-    { "size", "model units", "edge of the exemplar's cube there; more makes the texture coarser", PITH_PARAM_DOUBLE, 1e-9, 1,
-      1e9, offsetof(scale_value, size), NULL },
+    { "size", "model units", "edge of the exemplar's cube there; more makes the texture coarser", PITH_PARAM_DOUBLE,
+      1e-9, 1, 1e9, offsetof(scale_value, size), NULL },
 };
 const pith_params document_scale_value_params = { "scale value", scale_value_items, 1, sizeof(scale_value) };
 
 static const pith_param paste_items[] = {
-    { "size", "model units", "edge of the exemplar's cube", PITH_PARAM_DOUBLE, 1e-9, 1, 1e9, offsetof(paste_options, size),
-      NULL },
-    { "mask_radius", "texture", "half width of the splotch; 0.5 with drop_off 0 is the whole cube", PITH_PARAM_DOUBLE, 0.05,
-      0.48, 0.5, offsetof(paste_options, mask_radius), NULL },
-    { "drop_off", "texture", "width of the splotch's soft edge; more blurs the seam further", PITH_PARAM_DOUBLE, 0, 0.075,
-      0.5, offsetof(paste_options, drop_off), NULL },
+    { "size", "model units", "edge of the exemplar's cube", PITH_PARAM_DOUBLE, 1e-9, 1, 1e9,
+      offsetof(paste_options, size), NULL },
+    { "mask_radius", "texture", "half width of the splotch; 0.5 with drop_off 0 is the whole cube", PITH_PARAM_DOUBLE,
+      0.05, 0.48, 0.5, offsetof(paste_options, mask_radius), NULL },
+    { "drop_off", "texture", "width of the splotch's soft edge; more blurs the seam further", PITH_PARAM_DOUBLE, 0,
+      0.075, 0.5, offsetof(paste_options, drop_off), NULL },
 };
 const pith_params document_paste_params = { "paste", paste_items, 3, sizeof(paste_options) };
 
 static const pith_param transfer_items[] = {
-    { "value", "1", "of the channel looked at", PITH_PARAM_DOUBLE, -1e9, 0, 1e9, offsetof(transfer_value, value), NULL },
-    { "opacity", "1", "0 is seen through … 1 opaque", PITH_PARAM_DOUBLE, 0, 1, 1, offsetof(transfer_value, opacity), NULL },
+    { "value", "1", "of the channel looked at", PITH_PARAM_DOUBLE, -1e9, 0, 1e9, offsetof(transfer_value, value),
+      NULL },
+    { "opacity", "1", "0 is seen through … 1 opaque", PITH_PARAM_DOUBLE, 0, 1, 1, offsetof(transfer_value, opacity),
+      NULL },
 };
 const pith_params document_transfer_params = { "transfer", transfer_items, 2, sizeof(transfer_value) };
 
 const pith_params *const *pith_document_tables(void)
 {
     static const pith_params *const tables[] = {
-        &pith_fruit_params, &pith_slab_params, &pith_tets_params, &pith_refine_params, &document_depth_value_params, &pith_depth_params,
-        &pith_smoothing_params, &pith_tangent_params, &pith_volume_field_params, &document_scale_value_params,
-        &pith_displacement_params, &document_paste_params, &pith_lapped_params, &document_grid_params, &document_recipe_params,
-        &document_stop_params, &pith_noise_layer_params, &pith_brick_layer_params, &pith_particle_layer_params,
-        &pith_cut_step_params, &pith_cut_stroke_params, &document_lens_params, &pith_render_params,
-        &pith_volume_params, &document_transfer_params, NULL,
+        &pith_fruit_params, &pith_slab_params, &pith_tets_params, &pith_refine_params, &document_depth_value_params,
+        &pith_depth_params, &pith_smoothing_params, &pith_tangent_params, &pith_volume_field_params,
+        &document_scale_value_params, &pith_displacement_params, &document_paste_params, &pith_lapped_params,
+        &document_grid_params, &document_recipe_params, &document_stop_params, &pith_noise_layer_params,
+        &pith_brick_layer_params, &pith_particle_layer_params, &pith_cut_step_params, &pith_cut_stroke_params,
+        &document_lens_params, &pith_render_params, &pith_volume_params, &document_transfer_params, NULL,
     };
     return tables;
 }
@@ -148,8 +150,8 @@ static const grammar tets = {
     "tets", "How the body is filled with tetrahedra.", NULL, 0, &pith_tets_params, NULL, NULL,
 };
 static const grammar refine = {
-    "refine", "Smaller tetrahedra near the core, where the depth gradient fades, and where directions turn fast.", NULL, 0, &pith_refine_params, NULL,
-    NULL,
+    "refine", "Smaller tetrahedra near the core, where the depth gradient fades, and where directions turn fast.",
+    NULL, 0, &pith_refine_params, NULL, NULL,
 };
 static const grammar shape = {
     "shape", "The body's form: a mesh file, a fruit or a slab; and its tetrahedra.",
@@ -198,8 +200,8 @@ static const grammar scale = {
     &pith_smoothing_params, NAMES("points"), NULL,
 };
 static const grammar displacement = {
-    "displacement", "Moves the skin by a channel of the solid: bark, seeds in relief.", NULL, 0, &pith_displacement_params,
-    NULL, NULL,
+    "displacement", "Moves the skin by a channel of the solid: bark, seeds in relief.", NULL, 0,
+    &pith_displacement_params, NULL, NULL,
 };
 static const grammar exemplar = {
     "exemplar", "The texture a lapped solid is made of: axes r, s, t; of types 1, s is the depth.",

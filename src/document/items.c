@@ -38,7 +38,8 @@ static pith_status add_item(pith_model *model, const piece *from, pith_shell *sh
         pith_shell_destroy(shell);
         return PITH_OUT_OF_MEMORY(err, "a shell");
     }
-    model->items[model->item_count++] = (pith_render_item){ .shell = shell, .solid = from->body->solid, .offset = offset };
+    model->items[model->item_count++] =
+        (pith_render_item){ .shell = shell, .solid = from->body->solid, .offset = offset };
     return PITH_OK;
 }
 

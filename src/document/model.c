@@ -29,8 +29,9 @@ void model_note(pith_model *model, const char *format, ...)
 pith_status model_one_body(const pith_model *model, pith_error *err)
 {
     if (model->body) return PITH_OK;
-    return pith_fail(err, PITH_BAD_ARGUMENT, "%s: the model has %zu bodies, and this asks for what one body has; choose "
-                     "one of them, e.g. \"%s\"", model->document->path, model->body_count, model->document->bodies[0].name);
+    return pith_fail(err, PITH_BAD_ARGUMENT, "%s: the model has %zu bodies, and this asks for what one body has; "
+                     "choose one of them, e.g. \"%s\"", model->document->path, model->body_count,
+                     model->document->bodies[0].name);
 }
 
 pith_status model_fail_at(const pith_model *model, pith_status status, const char *key, const char *word,

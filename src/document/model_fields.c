@@ -45,8 +45,8 @@ static pith_status map_faces(pith_model *model, const pith_tets *tets, pith_dept
         memset(chosen, 0, inner.triangle_count * sizeof *chosen);
         for (size_t f = 0; f < c->count && status == PITH_OK; ++f) {
             if (c->faces[f] >= inner.triangle_count)
-                status = pith_fail(err, PITH_BAD_DOCUMENT, "%s: %sdepth.constraints[%zu].faces[%zu]: is %u, but the cleaned "
-                                   "mesh has %u triangles", model->document->path, model->body->place, i, f,
+                status = pith_fail(err, PITH_BAD_DOCUMENT, "%s: %sdepth.constraints[%zu].faces[%zu]: is %u, but the "
+                                   "cleaned mesh has %u triangles", model->document->path, model->body->place, i, f,
                                    c->faces[f], inner.triangle_count);
             else chosen[c->faces[f]] = true;
         }

@@ -75,8 +75,8 @@ pith_status model_fail_at(const pith_model *model, pith_status status, const cha
 /* Adds the time since `start` to a member of the times (its offset), of the body and of the whole. */
 void model_took(pith_model *model, size_t member, double start);
 
-/* The cache of a model; sections are those of its body. keep takes the bytes over; recall gives those of a kept stage, or
-   false when there are none; release frees them. */
+/* The cache of a model; sections are those of its body. keep takes the bytes over; recall gives those of a kept stage,
+   or false when there are none; release frees them. */
 void model_keep(pith_model *model, const char *stage, uint64_t key, byte_writer *bytes);
 bool model_recall(const pith_model *model, const char *stage, uint64_t key, byte_reader *in);
 void model_release(byte_reader *in);

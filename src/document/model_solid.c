@@ -87,18 +87,18 @@ pith_status pith_model_exemplar(pith_model *model, const pith_grid **exemplar, p
 
 /* ---- does the exemplar tile ---------------------------------------------------------------------------------------------- */
 
-/* The mean step of colour and opacity across the border, over that between neighbouring layers inside: over their mean and
-   over the greatest of them. Of the shipped exemplars, along axes in which they tile, the first is at most 1.36 (kiwi
-   along r) and the second 1.03; along s, where they do not, 14 and 3.5 (carrot), 47 and 5.3 (kiwi), 6.3 and 2.2 (soil),
-   2.0 and 1.06 (sandstone). Both must be exceeded, since in a wall of bricks a joint may lie at the border. The greatest
-   step of single voxels, pith_exemplar_seam, does not tell them apart: seeds inside are as sharp as a seam. */
+/* The mean step of colour and opacity across the border, over that between neighbouring layers inside: over their mean
+   and over the greatest of them. Of the shipped exemplars, along axes in which they tile, the first is at most 1.36
+   (kiwi along r) and the second 1.03; along s, where they do not, 14 and 3.5 (carrot), 47 and 5.3 (kiwi), 6.3 and 2.2
+   (soil), 2.0 and 1.06 (sandstone). Both must be exceeded, since in a wall of bricks a joint may lie at the border. The
+   greatest step of single voxels, pith_exemplar_seam, does not tell them apart: seeds inside are as sharp as a seam. */
 static const double most_over_mean = 1.5, most_over_greatest = 1.05;
 typedef struct seam { double over_mean, over_greatest; } seam;
 
 static seam measure_seam(const pith_grid *exemplar, int axis)
 {
     const size_t channels = exemplar->channels, looked_at = channels < 4 ? channels : 4;
-    const size_t strides[3] = { channels, channels * exemplar->size[0], channels * exemplar->size[0] * exemplar->size[1] };
+    const size_t row = channels * exemplar->size[0], strides[3] = { channels, row, row * exemplar->size[1] };
     const int other[2] = { axis == 0 ? 1 : 0, axis == 2 ? 1 : 2 };
     const uint32_t layers = exemplar->size[axis];
     double sum = 0.0, greatest = 0.0, step = 0.0;
@@ -196,8 +196,8 @@ static void recall_lapped(pith_model *model, const document_solid *solid)
     if (status == PITH_OK) {
         read_words(&kept, bytes, size / sizeof(float), sizeof(float));
         read_bytes(&kept, bytes + size / sizeof(float) * sizeof(float), size % sizeof(float));
-        status = pith_lapped_load(bytes, size, model->tets, layered ? model->depth : NULL, model->exemplar, &model->solid,
-                                  &damage);
+        status = pith_lapped_load(bytes, size, model->tets, layered ? model->depth : NULL, model->exemplar,
+                                  &model->solid, &damage);
     }
     if (status == PITH_OK) {
         model->fill_report = report;

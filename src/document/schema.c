@@ -76,7 +76,8 @@ static json_t *reference(schema_maker *maker, const grammar *rules, bool is_kind
         if (is_kind)
             put(maker, json_object_get(json_object_get(made, "properties"), "kind"), "const", json_string(rules->name));
         /* Two grammars of one name, or too many: the schema would be wrong. */
-        if (maker->known_count == MOST_GRAMMARS || json_object_get(maker->definitions, rules->name)) maker->failed = true;
+        if (maker->known_count == MOST_GRAMMARS || json_object_get(maker->definitions, rules->name))
+            maker->failed = true;
         else maker->known[maker->known_count++] = rules;
         put(maker, maker->definitions, rules->name, made);
     }

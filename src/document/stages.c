@@ -231,7 +231,8 @@ pith_status stage_key_of_exemplar(const document_exemplar *exemplar, uint64_t *k
 static uint64_t hash_fill(const stage_keys *keys, const pith_lapped_options *options)
 {
     const type_needs *needs = type_needs_of(options->type);
-    const uint64_t used[5] = { keys->exemplar, keys->tets, needs->direction ? keys->fields : needs->depth ? keys->depth : 0,
+    const uint64_t fields = needs->direction ? keys->fields : needs->depth ? keys->depth : 0;
+    const uint64_t used[5] = { keys->exemplar, keys->tets, fields,
                                needs->vectors ? keys->vectors : 0, needs->scale ? keys->scale : 0 };
     return hash_options(&pith_lapped_params, options, pith_hash_bytes(used, sizeof used, 0));
 }

@@ -181,8 +181,8 @@ static void test_bodies_share_a_cache(void **state)
     unmake(&m);
 
     /* Another lower body leaves the upper one as it was kept. */
-    m = make("{ \"pith\": 1, \"bodies\": [ " SLAB("lower", "\"bottom\": -0.7, \"top\": 0", "-0.1", "-0.6") ", " UPPER " ] }", file,
-             NULL);
+    m = make("{ \"pith\": 1, \"bodies\": [ " SLAB("lower", "\"bottom\": -0.7, \"top\": 0", "-0.1", "-0.6") ", " UPPER
+             " ] }", file, NULL);
     ask(m.model, kept);
     assert_memory_equal(fresh[1], kept[1], sizeof fresh[1]);
     CHECK_OK(pith_model_body(m.model, 1, &body, &err));
@@ -347,7 +347,8 @@ static void test_separated_parts(void **state)
 {
     (void)state;
     static const char ring[] = "{ \"pith\": 1, \"shape\": { \"slab\": { \"detail\": 10, \"hole\": 0.5 }, \"tets\": {"
-                               " \"tetrahedra\": 600 } }, " SAMPLE_DEPTH_OF_SLAB ", \"solids\": [ " SAMPLE_SOLID_1A " ] }";
+                               " \"tetrahedra\": 600 } }, " SAMPLE_DEPTH_OF_SLAB ","
+                               " \"solids\": [ " SAMPLE_SOLID_1A " ] }";
     made m = make(ring, NULL, NULL);
     pith_cut_step cuts[2] = { { .plane = { { 0.25, 0, 0 }, { 1, 0, 0 } }, .keep = PITH_KEEP_NEGATIVE },
                               { .plane = { { -0.25, 0, 0 }, { 1, 0, 0 } }, .keep = PITH_KEEP_POSITIVE } };
@@ -373,8 +374,8 @@ static void test_strokes_cut_as_planes_do(void **state)
 {
     (void)state;
     made m = make("{ \"pith\": 1, " SAMPLE_SHAPE ", " SAMPLE_DEPTH ", " SAMPLE_DIRECTION ", \"solids\": [ " SAMPLE_SOLID
-                  " ], \"cuts\": [ { \"stroke\": { \"eye\": [0, -50, 0], \"points\": [[0.2, -2, -1.5], [0.2, -2, 1.5]] },"
-                  " \"gap\": 0.4 } ] }", NULL, NULL);
+                  " ], \"cuts\": [ { \"gap\": 0.4, \"stroke\": { \"eye\": [0, -50, 0],"
+                  " \"points\": [[0.2, -2, -1.5], [0.2, -2, 1.5]] } } ] }", NULL, NULL);
     const pith_render_item *items;
     size_t count;
     CHECK_OK(pith_model_items(m.model, &items, &count, &err));
@@ -408,8 +409,8 @@ static void test_strokes_cut_as_planes_do(void **state)
     unmake(&m);
 
     m = make("{ \"pith\": 1, " SAMPLE_SHAPE ", " SAMPLE_DEPTH ", " SAMPLE_DIRECTION ", \"solids\": [ " SAMPLE_SOLID
-             " ], \"cuts\": [ " CUT_X ", { \"stroke\": { \"eye\": [0, -50, 0], \"points\": [[0, -2, 1], [0, -2, 1]] } } ] }",
-             NULL, NULL);
+             " ], \"cuts\": [ " CUT_X ", { \"stroke\": { \"eye\": [0, -50, 0],"
+             " \"points\": [[0, -2, 1], [0, -2, 1]] } } ] }", NULL, NULL);
     CHECK_FAILS(pith_model_items(m.model, &items, &count, &err), PITH_BAD_ARGUMENT, "kiwi.pith: cuts[1].stroke: ");
     unmake(&m);
 }
