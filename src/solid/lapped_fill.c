@@ -98,7 +98,7 @@ static pith_status fit_patch(fill *self, const lapped_workspace *work, lapped_pa
                              pith_error *err)
 {
     const pith_lapped_options *options = self->context.options;
-    lapped_seam_look(self->seam, &self->context, &self->stack, self->exemplar, work);
+    lapped_seam_look(self->seam, &self->context, &self->stack, self->cover, self->exemplar, work);
     if (options->align > 1 && options->jitter)
         lapped_seam_align(self->seam, self->exemplar, options->align, self->context.components, &self->rng,
                           patch->offset);

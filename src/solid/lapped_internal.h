@@ -296,7 +296,7 @@ lapped_seam *lapped_seam_make(void);    /* NULL: no memory */
 void lapped_seam_free(lapped_seam *seam);
 /* Looks at what lies under a finished patch, at the cells of its texture space. */
 void lapped_seam_look(lapped_seam *seam, const lapped_context *context, const lapped_stack *stack,
-                      const lapped_exemplar *exemplar, const lapped_workspace *work);
+                      const lapped_coverage *cover, const lapped_exemplar *exemplar, const lapped_workspace *work);
 /* The shift of the exemplar, of `tries`, with which the patch differs least from what lies there. */
 void lapped_seam_align(lapped_seam *seam, const lapped_exemplar *exemplar, uint32_t tries, int components, pith_rng *rng,
                        float offset[3]);

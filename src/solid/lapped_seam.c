@@ -158,24 +158,46 @@ static void widen_bare(lapped_seam *seam)
             }
 }
 
+/* The cells round every sample of a tet that the coverage test misses: there the patch must be opaque. */
+static void open_samples(lapped_seam *seam, const lapped_coverage *cover, uint32_t tet, float rst[4][3])
+{
+    for (int n = 0; n < LAPPED_SAMPLES && cover->left[tet] > 0; ++n) {
+        if (cover->alpha[tet][n] == 255) continue;
+        int base[3];
+        for (int axis = 0; axis < 3; ++axis) {
+            float at = 0.0f;
+            for (int k = 0; k < 4; ++k) at += cover->weights[n][k] * rst[k][axis];
+            at = floorf(at * CUT_SIZE - 0.5f);
+            base[axis] = (int)fmaxf(axis == 1 ? 0.0f : -1.0f, fminf(at, axis == 1 ? CUT_SIZE - 2 : CUT_SIZE));
+        }
+        if (base[0] < 0 || base[2] < 0 || base[0] > CUT_SIZE - 2 || base[2] > CUT_SIZE - 2) continue;
+        for (int corner = 0; corner < 8; ++corner) {
+            const uint32_t number = cell_number(base[0] + (corner & 1), base[1] + (corner >> 1 & 1), base[2] + (corner >> 2));
+            if (seam->state[number] != CELL_BEYOND) seam->state[number] = CELL_BARE;
+        }
+    }
+}
+
 void lapped_seam_look(lapped_seam *seam, const lapped_context *context, const lapped_stack *stack,
-                      const lapped_exemplar *exemplar, const lapped_workspace *work)
+                      const lapped_coverage *cover, const lapped_exemplar *exemplar, const lapped_workspace *work)
 {
     const lapped_seed *seed = &work->seed;
     lay_splotch(seam, &context->masks[seed->mask], context->components == 3);
     const look at = { seam, stack, context->masks, exemplar };
     double depth = 0.0;
-    for (size_t i = 0; i < work->tet_count; ++i) {
-        float rst[4][3];
-        for (int k = 0; k < 4; ++k) {
-            const uint32_t local = work->corners[i][k];
-            double place[3];
-            lapped_rst(context, work->uv + (size_t)context->components * local, work->vertices[local], place);
-            for (int c = 0; c < 3; ++c) rst[k][c] = (float)place[c];
-            if (i == 0) depth += (double)seed->weights[k] * place[1]; /* the seed's tet is the clump's first */
+    for (int pass = 0; pass < 2; ++pass) /* first what lies at the cells, then what must be covered */
+        for (size_t i = 0; i < work->tet_count; ++i) {
+            float rst[4][3];
+            for (int k = 0; k < 4; ++k) {
+                const uint32_t local = work->corners[i][k];
+                double place[3];
+                lapped_rst(context, work->uv + (size_t)context->components * local, work->vertices[local], place);
+                for (int c = 0; c < 3; ++c) rst[k][c] = (float)place[c];
+                if (i + (size_t)pass == 0) depth += (double)seed->weights[k] * place[1]; /* the clump's first tet */
+            }
+            if (pass == 0) look_at_tet(&at, work->tets[i], rst);
+            else open_samples(seam, cover, work->tets[i], rst);
         }
-        look_at_tet(&at, work->tets[i], rst);
-    }
     widen_bare(seam);
     const double centre[3] = { 0.5, depth, 0.5 };
     for (int c = 0; c < 3; ++c)
