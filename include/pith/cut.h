@@ -97,8 +97,7 @@ pith_status pith_part_stroke_values(const pith_part *part, const pith_cut_stroke
 
 /** A finer copy of a shell: triangles divided until no edge is longer than `edge` (model units; 0: as they are),
  *  consistently, so that a closed shell stays closed; material coordinates, kinds and source tets are inherited. At
- *  most max_triangles (PITH_BAD_ARGUMENT says which edge would do). The copy remembers the normals of the shell it came
- *  from: when it is displaced, flat triangles do not come out as steps. */
+ *  most max_triangles (PITH_BAD_ARGUMENT says which edge would do). */
 pith_status pith_shell_divide(const pith_shell *shell, double edge, uint32_t max_triangles, pith_shell **divided,
                               pith_error *err);
 /** The same, carrying along unit normals given at the corners of triangles, [triangle_count][3], as pith_shell_normals
@@ -106,12 +105,13 @@ pith_status pith_shell_divide(const pith_shell *shell, double edge, uint32_t max
 pith_status pith_shell_divide_normals(const pith_shell *shell, const pith_vec3 (*normals)[3], double edge,
                                       uint32_t max_triangles, pith_shell **divided, pith_vec3 (**divided_normals)[3],
                                       pith_error *err);
-/** Moves every vertex of the skin along its normal by amounts [vertex_count] (model units; those of vertices that only
- *  sections use are ignored), at edges and corners as much farther, up to twice, as the faces need to move by that much;
- *  material coordinates stay, so that solids answer as before. Vertices on the rim between skin and section move within
- *  the section, or along the line in which two meet, as far as the skin needs, up to four times; where three meet they
- *  stay. A section's other vertices near its rim give way within it, so that it is not folded by a rim that moves
- *  inwards: cuts stay flat. Fine as long as amounts are below the radius of the surface's hollows. Copies. O(triangles).
+/** Moves every vertex of the skin along the normal by amounts [vertex_count] (model units; those of vertices that only
+ *  sections use are ignored), at edges and corners as much farther, up to twice, as the faces need to move by that much.
+ *  The normals are those of the whole model's skin, linear over its triangles: pieces of a cut still fit, and dividing a
+ *  shell first makes no steps. Material coordinates stay, so that solids answer as before. Vertices on the rim between
+ *  skin and section move within the section, or along the line in which two meet, as far as the skin needs, up to four
+ *  times; where three meet they stay. What is near a rim gives way, so that the rim does not run over it: cuts stay
+ *  flat. Good for amounts below the radius of the surface's hollows. Copies. O(triangles).
  *  PITH_BAD_ARGUMENT: an amount that is not finite. */
 pith_status pith_shell_displace(const pith_shell *shell, const double *amounts, pith_shell **displaced,
                                 pith_error *err);

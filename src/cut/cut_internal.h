@@ -12,6 +12,7 @@ typedef struct cut_origin {
     atomic_uint users;
     uint32_t vertex_count;
     pith_vec3 *positions;
+    pith_vec3 *guides;      /* [vertex_count] how the skin moves when displaced by 1, see cut_origin_guides */
     uint32_t (*tets)[4];
 } cut_origin;
 
@@ -30,7 +31,6 @@ struct pith_shell {
     uint32_t (*triangles)[3];
     uint32_t *source_tet;
     uint8_t *kinds;
-    pith_vec3 *guides;      /* [vertex_count] of a divided shell, else NULL: cut_shell_guides of what it came from */
     uint32_t vertex_count, triangle_count;
 };
 
@@ -110,7 +110,7 @@ pith_status cut_march_clip(cut_march *march, uint32_t tet, unsigned k, unsigned 
 /* Position and material coordinates of a vertex code. */
 void cut_march_vertex(const cut_march *march, uint32_t code, pith_vec3 *position, pith_vec3 *material);
 
-/* A shell with its arrays allocated and empty, but for guides; one more user of the origin. */
+/* A shell with its arrays allocated and empty; one more user of the origin. */
 pith_status cut_shell_new(cut_origin *origin, uint32_t vertex_count, uint32_t triangle_count, pith_shell **shell,
                           pith_error *err);
 
@@ -123,12 +123,11 @@ typedef struct cut_corners {
 /* On failure c holds what was allocated: free it in any case. */
 pith_status cut_corners_make(const pith_shell *shell, cut_corners *c, pith_error *err);
 void cut_corners_free(cut_corners *c);
-/* Angle of a triangle at a corner, in radians. */
-double cut_corner_angle(const pith_shell *shell, uint32_t corner);
 
-/* How far each vertex of the skin goes when the skin is displaced by 1, zero for others (displace.c). Along the normal,
-   and as much farther as the facets round it need to move by 1 themselves, at most 2. */
-void cut_shell_guides(const pith_shell *shell, const cut_corners *corners, pith_vec3 *guides);
+/* How far each vertex of a model's skin goes when the skin is displaced by 1, zero for others (displace.c). Along the
+   normal, and as much farther as the facets round it need to move by 1 themselves, at most 2. guides: zero before. Kept
+   with the origin because a cut must not change where the skin goes, nor may dividing its triangles. */
+pith_status cut_origin_guides(const pith_tets_view *view, pith_vec3 *guides, pith_error *err);
 
 /* Triangles gathered under vertex codes before a shell is made of them. */
 typedef struct cut_triangle { uint32_t v[3]; uint32_t source_tet; uint8_t kind; } cut_triangle;

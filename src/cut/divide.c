@@ -11,8 +11,8 @@ typedef struct piece { uint32_t vertices[3], parent; } piece; /* parent: triangl
 
 /* The shell while it is being divided. */
 typedef struct surface {
-    pith_vec3 *positions, *material, *guides;   /* [vertex_count] */
-    size_t vertex_count, capacity[3];
+    pith_vec3 *positions, *material;  /* [vertex_count] */
+    size_t vertex_count, capacity[2];
     piece *pieces;                              /* [piece_count] those of a triangle side by side, in its order */
     pith_vec3 (*normals)[3];                    /* [piece_count] at their corners; NULL: none are carried along */
     size_t piece_count;
@@ -22,38 +22,22 @@ static void surface_free(surface *s)
 {
     pith_free(s->positions);
     pith_free(s->material);
-    pith_free(s->guides);
     pith_free(s->pieces);
     pith_free(s->normals);
     *s = (surface){ 0 };
-}
-
-static pith_status find_guides(const pith_shell *shell, pith_vec3 *guides, pith_error *err)
-{
-    if (shell->guides) { /* divided before: the shape is still that of the first shell */
-        memcpy(guides, shell->guides, shell->vertex_count * sizeof *guides);
-        return PITH_OK;
-    }
-    cut_corners corners = { 0 };
-    const pith_status status = cut_corners_make(shell, &corners, err);
-    if (status == PITH_OK) cut_shell_guides(shell, &corners, guides);
-    cut_corners_free(&corners);
-    return status;
 }
 
 static pith_status surface_make(const pith_shell *shell, const pith_vec3 (*normals)[3], surface *s, pith_error *err)
 {
     s->vertex_count = shell->vertex_count;
     s->piece_count = shell->triangle_count;
-    for (int i = 0; i < 3; ++i) s->capacity[i] = s->vertex_count;
+    s->capacity[0] = s->capacity[1] = s->vertex_count;
     s->positions = pith_alloc(s->vertex_count, sizeof *s->positions);
     s->material = pith_alloc(s->vertex_count, sizeof *s->material);
-    s->guides = pith_alloc(s->vertex_count, sizeof *s->guides);
     s->pieces = pith_alloc(s->piece_count, sizeof *s->pieces);
     if (normals) s->normals = pith_alloc(s->piece_count, sizeof *s->normals);
-    if (!s->positions || !s->material || !s->guides || !s->pieces || (normals && !s->normals))
+    if (!s->positions || !s->material || !s->pieces || (normals && !s->normals))
         return PITH_OUT_OF_MEMORY(err, "a surface to divide");
-    PITH_TRY(find_guides(shell, s->guides, err));
     memcpy(s->positions, shell->positions, s->vertex_count * sizeof *s->positions);
     memcpy(s->material, shell->material, s->vertex_count * sizeof *s->material);
     if (normals) memcpy(s->normals, normals, s->piece_count * sizeof *s->normals);
@@ -105,8 +89,8 @@ static pith_status midpoint_add(surface *s, midpoints *table, uint32_t a, uint32
     if (table->keys[slot]) return PITH_OK;
     if (s->vertex_count >= PITH_NONE)
         return pith_fail(err, PITH_BAD_ARGUMENT, "the divided surface has more vertices than 32-bit indices can name");
-    pith_vec3 **arrays[3] = { &s->positions, &s->material, &s->guides };
-    for (int i = 0; i < 3; ++i) {
+    pith_vec3 **arrays[2] = { &s->positions, &s->material };
+    for (int i = 0; i < 2; ++i) {
         if (!pith_grow((void **)arrays[i], &s->capacity[i], s->vertex_count + 1, sizeof(pith_vec3)))
             return PITH_OUT_OF_MEMORY(err, "midpoints of edges");
         (*arrays[i])[s->vertex_count] = halfway((*arrays[i])[a], (*arrays[i])[b]);
@@ -280,14 +264,8 @@ static pith_status to_shell(const pith_shell *from, const surface *s, pith_shell
 {
     pith_shell *made = NULL;
     PITH_TRY(cut_shell_new(from->origin, (uint32_t)s->vertex_count, (uint32_t)s->piece_count, &made, err));
-    made->guides = pith_alloc(s->vertex_count, sizeof *made->guides);
-    if (!made->guides) {
-        pith_shell_destroy(made);
-        return PITH_OUT_OF_MEMORY(err, "a divided shell");
-    }
     memcpy(made->positions, s->positions, s->vertex_count * sizeof *s->positions);
     memcpy(made->material, s->material, s->vertex_count * sizeof *s->material);
-    memcpy(made->guides, s->guides, s->vertex_count * sizeof *s->guides);
     for (size_t i = 0; i < s->piece_count; ++i) {
         memcpy(made->triangles[i], s->pieces[i].vertices, sizeof made->triangles[i]);
         made->source_tet[i] = from->source_tet[s->pieces[i].parent];

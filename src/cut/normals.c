@@ -38,7 +38,7 @@ pith_status cut_corners_make(const pith_shell *shell, cut_corners *c, pith_error
     return PITH_OK;
 }
 
-double cut_corner_angle(const pith_shell *shell, uint32_t corner)
+static double angle_at(const pith_shell *shell, uint32_t corner)
 {
     const uint32_t *v = shell->triangles[corner / 3], k = corner % 3;
     const pith_vec3 p = shell->positions[v[k]];
@@ -68,7 +68,7 @@ pith_status pith_shell_normals(const pith_shell *shell, double crease, pith_vec3
             const uint32_t other = c.items[j] / 3;
             if (shell->kinds[other] != shell->kinds[triangle]) continue;
             if (flat && !(pith_dot(own, c.facets[other]) >= turn) && other != triangle) continue;
-            sum = pith_madd(sum, c.facets[other], cut_corner_angle(shell, c.items[j]));
+            sum = pith_madd(sum, c.facets[other], angle_at(shell, c.items[j]));
         }
         sum = pith_unit(sum);
         normals[triangle][corner % 3] = pith_dot(sum, sum) > 0.0 ? sum : flat ? own : pith_v3(0, 0, 1);

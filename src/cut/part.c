@@ -17,6 +17,7 @@ static void origin_release(cut_origin *origin)
 {
     if (!origin || atomic_fetch_sub(&origin->users, 1) != 1) return;
     pith_free(origin->positions);
+    pith_free(origin->guides);
     pith_free(origin->tets);
     pith_free(origin);
 }
@@ -28,10 +29,16 @@ static pith_status origin_new(const pith_tets_view *view, cut_origin **origin, p
     atomic_init(&o->users, 1);
     o->vertex_count = view->vertex_count;
     o->positions = pith_alloc(view->vertex_count, sizeof *o->positions);
+    o->guides = pith_alloc(view->vertex_count, sizeof *o->guides);
     o->tets = pith_alloc(view->tet_count, sizeof *o->tets);
-    if (!o->positions || !o->tets) {
+    if (!o->positions || !o->guides || !o->tets) {
         origin_release(o);
         return PITH_OUT_OF_MEMORY(err, "a part's origin");
+    }
+    const pith_status status = cut_origin_guides(view, o->guides, err);
+    if (status != PITH_OK) {
+        origin_release(o);
+        return status;
     }
     memcpy(o->positions, view->positions, view->vertex_count * sizeof *o->positions);
     memcpy(o->tets, view->tets, view->tet_count * sizeof *o->tets);
@@ -152,7 +159,6 @@ void pith_shell_destroy(pith_shell *shell)
     pith_free(shell->triangles);
     pith_free(shell->source_tet);
     pith_free(shell->kinds);
-    pith_free(shell->guides);
     pith_free(shell);
 }
 
