@@ -79,8 +79,8 @@ static pith_status tube_make(uint32_t tetrahedra, tube *t, pith_error *err)
     return pith_solid_lapped(&input, &fill, NULL, &t->solid, NULL, err);
 }
 
-/* Samples that solids are asked for at most: of every ray, the planes that lie inside the body, measured as the depth of
-   an even medium that hides nothing. */
+/* Samples that solids are asked for at most: of every ray, the planes that lie inside the body, measured as the depth
+   of an even medium that hides nothing. */
 static pith_status count_samples(const tube *t, const pith_camera *camera, pith_volume_options o, double *samples,
                                  pith_error *err)
 {
@@ -135,11 +135,11 @@ static pith_status measure(const tube *t, const bench_options *options, json_t *
         }
         char name[100];
         snprintf(name, sizeof name, "tube %s %u tets", o.method ? "slices" : "march", (unsigned)part.tet_count);
-        json_array_append_new(cases, json_pack("{ss si sf sf sf sf sf sf}", "name", name, "tetrahedra", (int)part.tet_count,
-                                               "render_min_ms", 1e3 * bench_min(&times), "render_median_ms",
-                                               1e3 * bench_median(&times), "samples", samples, "samples_per_s",
-                                               samples / bench_min(&times), "mean_red", mean[o.method],
-                                               "peak_memory_bytes", bench_peak()));
+        json_array_append_new(
+            cases, json_pack("{ss si sf sf sf sf sf sf}", "name", name, "tetrahedra", (int)part.tet_count,
+                             "render_min_ms", 1e3 * bench_min(&times), "render_median_ms", 1e3 * bench_median(&times),
+                             "samples", samples, "samples_per_s", samples / bench_min(&times), "mean_red",
+                             mean[o.method], "peak_memory_bytes", bench_peak()));
     }
     return PITH_OK;
 }

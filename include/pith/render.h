@@ -54,7 +54,7 @@ pith_status pith_render(const pith_render_item *items, size_t count, const pith_
                         const pith_render_options *options, const pith_progress *progress, pith_image **image,
                         pith_error *err);
 
-/* ---- volume rendering ---------------------------------------------------------------------------------------------- */
+/* ---- volume rendering -------------------------------------------------------------------------------------------- */
 
 typedef enum pith_volume_method { PITH_VOLUME_MARCH, PITH_VOLUME_SLICES } pith_volume_method;
 
@@ -65,14 +65,14 @@ typedef struct pith_volume_options {
     uint32_t width, height;
     uint32_t method;        /* pith_volume_method */
     uint32_t slices;        /* slices, or steps of the march, through the depth of all bodies */
-    uint32_t samples;       /* rays per pixel (march) or pictures averaged (slices): under the filter of pith_render, at the
-                               same places in every pixel; a single one goes through the middle */
-    double unit;            /* thickness that has the opacity the solid states, as a fraction of the diagonal of all bodies'
-                               material coordinates: cuts and offsets do not change it */
+    uint32_t samples;       /* rays per pixel (march) or pictures averaged (slices): under the filter of pith_render, at
+                               the same places in every pixel; a single one goes through the middle */
+    double unit;            /* thickness that has the opacity the solid states, as a fraction of the diagonal of all
+                               bodies' material coordinates: cuts and offsets do not change it */
     double opacity;         /* multiplies the solid's */
-    uint32_t channel;       /* of the solid that the transfer function looks at; 0..2 colours, 3 opacity, then further */
-    double shading;         /* 0 plain emission and absorption … 1 lit by the gradient of opacity, from six samples round
-                               each, a step away: some eight times the cost */
+    uint32_t channel;       /* of the solid that the transfer function looks at; 0..2 colours, 3 opacity, further */
+    double shading;         /* 0 plain emission and absorption … 1 lit by the gradient of opacity, from six samples
+                               round each, a step away: some eight times the cost */
     double light_azimuth, light_elevation; /* as in pith_render_options */
     double exposure;
     double background_red, background_green, background_blue; /* sRGB values 0..1 */
@@ -87,17 +87,17 @@ pith_volume_options pith_volume_options_default(void);
 typedef struct pith_volume_item { const pith_part *part; const pith_solid *solid; pith_vec3 offset; } pith_volume_item;
 
 /** Translucent picture of solids (Takayama 2008 §5.1.2): emission and absorption, front to back. A stretch of length d
- *  through a medium of opacity a has the opacity 1 - (1 - a)^(d / unit). `march` walks each ray from tet to tet and asks
- *  the solid at steps of equal length; `slices` extracts iso-surfaces of the distance along the line of sight, fills
- *  their triangles and lays them over one another from the front, as the paper does. Both ask at the same depths, with tet
- *  and weights known, and agree to the last bits of a colour but where a slice's triangles end. A ray ends when less than
- *  1/4096 of the light comes through. transfer: NULL: the solid's own colour and opacity; else values that ascend, each
- *  sample takes the colour and opacity of its value. Bodies may overlap: both absorb. The camera may stand inside.
- *  Premultiplied compositing inside, straight alpha out. Parallel, the same picture for any thread count.
+ *  through a medium of opacity a has the opacity 1 - (1 - a)^(d / unit). `march` walks each ray from tet to tet and
+ *  asks the solid at steps of equal length; `slices` extracts iso-surfaces of the distance along the line of sight,
+ *  fills their triangles and lays them over one another from the front, as the paper does. Both ask at the same depths,
+ *  with tet and weights known, and agree to the last bits of a colour but where a slice's triangles end. A ray ends
+ *  when less than 1/4096 of the light comes through. transfer: NULL: the solid's own colour and opacity; else values
+ *  that ascend, each sample takes the colour and opacity of its value. Bodies may overlap: both absorb. The camera may
+ *  stand inside. Premultiplied compositing inside, straight alpha out. Parallel, the same picture for any thread count.
  *  PITH_BAD_ARGUMENT: nothing to draw, a camera that looks nowhere, transfer points that do not ascend or are out of
- *  range, a channel that the solid lacks, an option out of range. Cost: O(tets), and for each sample inside a body 20 to
- *  50 nanoseconds of one core beside what the solid takes: 512 x 512 pixels and 200 slices of a lapped tube take about
- *  one second of one core by either method. */
+ *  range, a channel that the solid lacks, an option out of range. Cost: O(tets), and for each sample inside a body 20
+ *  to 50 nanoseconds of one core beside what the solid takes: 512 x 512 pixels and 200 slices of a lapped tube take
+ *  about one second of one core by either method. */
 pith_status pith_render_volume(const pith_volume_item *items, size_t count, const pith_camera *camera,
                                const pith_volume_options *options, const pith_transfer_point *transfer,
                                size_t transfer_count, const pith_progress *progress, pith_image **image,

@@ -173,8 +173,8 @@ static pith_status merge_items(render_scene *scene, pith_error *err)
     scene->item_of = pith_alloc(scene->triangle_count, sizeof *scene->item_of);
     scene->kinds = pith_alloc(scene->triangle_count, sizeof *scene->kinds);
     if (scene->has_colours) scene->colours = pith_alloc(scene->vertex_count, sizeof *scene->colours);
-    if (!scene->positions || !scene->material || (scene->has_colours && !scene->colours) || !scene->triangles || !scene->normals || !scene->weights ||
-        !scene->source_tet || !scene->item_of || !scene->kinds)
+    if (!scene->positions || !scene->material || (scene->has_colours && !scene->colours) || !scene->triangles ||
+        !scene->normals || !scene->weights || !scene->source_tet || !scene->item_of || !scene->kinds)
         return PITH_OUT_OF_MEMORY(err, "the scene");
 
     for (size_t i = 0, vertex = 0, triangle = 0; i < scene->item_count; ++i) {

@@ -128,7 +128,8 @@ static void start_path(const render_scene *scene, path *p, uint32_t x, uint32_t 
     const pith_render_options *o = scene->options;
     double pair[2];
     render_pair(p->seed, p->sample, o->samples, RENDER_PIXEL, pair);
-    const double across = x + 0.5 + render_tent(pair[0]) - 0.5 * o->width, down = y + 0.5 + render_tent(pair[1]) - 0.5 * o->height;
+    const double across = x + 0.5 + render_tent(pair[0]) - 0.5 * o->width;
+    const double down = y + 0.5 + render_tent(pair[1]) - 0.5 * o->height;
     const pith_vec3 to = pith_madd(pith_madd(scene->view.forward, scene->view.right, across), scene->view.up, -down);
     *ray = (pith_ray){ scene->view.eye, pith_unit(to), 0.0, INFINITY };
 }

@@ -85,10 +85,12 @@ static pith_status check_transfer(const pith_transfer_point *transfer, size_t co
         const pith_transfer_point *p = &transfer[i];
         if (!isfinite(p->value) || (i > 0 && !(p->value > transfer[i - 1].value)))
             return pith_fail(err, PITH_BAD_ARGUMENT,
-                             "point %zu of the transfer function is at %g: values must be finite and ascend", i, p->value);
+                             "point %zu of the transfer function is at %g: values must be finite and ascend", i,
+                             p->value);
         if (!(p->opacity >= 0.0f && p->opacity <= 1.0f))
-            return pith_fail(err, PITH_BAD_ARGUMENT, "point %zu of the transfer function has opacity %g, expected 0 to 1",
-                             i, (double)p->opacity);
+            return pith_fail(err, PITH_BAD_ARGUMENT,
+                             "point %zu of the transfer function has opacity %g, expected 0 to 1", i,
+                             (double)p->opacity);
         for (int k = 0; k < 3; ++k)
             if (!(p->colour[k] >= 0.0f && p->colour[k] <= 1.0f))
                 return pith_fail(err, PITH_BAD_ARGUMENT,
@@ -166,7 +168,8 @@ static void add_picture(const volume_scene *scene, const volume_rays *rays, doub
     }
 }
 
-static pith_status send_rays(const volume_scene *scene, volume_scratch *s, uint32_t tile, uint32_t sample, pith_error *err)
+static pith_status send_rays(const volume_scene *scene, volume_scratch *s, uint32_t tile, uint32_t sample,
+                             pith_error *err)
 {
     s->batch->count = 0; /* what a failed tile may have left */
     if (scene->options->method == PITH_VOLUME_SLICES)

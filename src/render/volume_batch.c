@@ -97,7 +97,7 @@ static void see(const volume_scene *scene, const float *answer, float out[4])
     if (scene->transfer) transfer_at(scene, (double)answer[scene->options->channel], rgba);
     const float gain = (float)scene->gain;
     for (int k = 0; k < 3; ++k) out[k] = rgba[k] > 0.0f ? gain * rgba[k] : 0.0f; /* not-a-number becomes black */
-    const float most = fmaxf(out[0], fmaxf(out[1], out[2]));
+    const float pair = out[0] > out[1] ? out[0] : out[1], most = pair > out[2] ? pair : out[2];
     if (most > 1.0f)
         for (int k = 0; k < 3; ++k) out[k] = isinf(most) ? 1.0f : out[k] / most;
     const float opacity = (float)scene->options->opacity * rgba[3];
@@ -137,7 +137,8 @@ static pith_status ask_body(const volume_scene *scene, volume_batch *b, uint32_t
    low; where it is even there is none, and the colour stays. */
 static float light_of(const volume_scene *scene, const float side[SIDES])
 {
-    const pith_vec3 rise = pith_v3((double)(side[1] - side[0]), (double)(side[3] - side[2]), (double)(side[5] - side[4]));
+    const pith_vec3 rise = pith_v3((double)(side[1] - side[0]), (double)(side[3] - side[2]),
+                                   (double)(side[5] - side[4]));
     const double length = pith_length(rise);
     if (!(length > 0.0)) return 1.0f;
     const double facing = -pith_dot(rise, scene->view.light) / length;

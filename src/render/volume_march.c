@@ -1,7 +1,7 @@
 /* March: rays walk from tet to tet, from each boundary face they enter through to where they leave.
 
-   On which side of an edge a ray passes is one determinant, of its direction and the edge's ends seen from the eye. It is
-   evaluated in the same way by every tet round the edge, and zero is decided by moving the ray by nothing in a fixed
+   On which side of an edge a ray passes is one determinant, of its direction and the edge's ends seen from the eye. It
+   is evaluated in the same way by every tet round the edge, and zero is decided by moving the ray by nothing in a fixed
    direction, so that faces that meet neither miss a ray between them nor both take it (Edelsbrunner and Mücke,
    "Simulation of simplicity", 1990). The same determinants weigh a face's corners where the ray crosses it; between two
    faces of a tet everything is linear. */
@@ -96,7 +96,8 @@ static pith_status enter_face(const volume_scene *scene, volume_march *m, volume
     const uint8_t *c = face_corners[e.corner];
     const uint32_t *tet = body->part.tets[e.tet], v[3] = { tet[c[0]], tet[c[1]], tet[c[2]] };
     const pith_vec3 p[3] = { body->eye[v[0]], body->eye[v[1]], body->eye[v[2]] };
-    const double x[3] = { p[0].x, p[1].x, p[2].x }, y[3] = { p[0].y, p[1].y, p[2].y }, z[3] = { p[0].z, p[1].z, p[2].z };
+    const double x[3] = { p[0].x, p[1].x, p[2].x }, y[3] = { p[0].y, p[1].y, p[2].y };
+    const double z[3] = { p[0].z, p[1].z, p[2].z };
     uint32_t left, right, top, bottom;
     cover(x, z, rays->across, rays->width, &left, &right);
     cover(y, z, rays->down, rays->height, &top, &bottom);

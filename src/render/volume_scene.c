@@ -76,7 +76,8 @@ static pith_status find_neighbours(volume_body *body, pith_error *err)
 
 /* ---- bins ------------------------------------------------------------------------------------------------------- */
 
-typedef struct tile_box { uint32_t left, right, top, bottom; } tile_box; /* right and bottom are beyond; empty: left == right */
+/* right and bottom are beyond the last; empty: left == right */
+typedef struct tile_box { uint32_t left, right, top, bottom; } tile_box;
 
 /* The first tile, and the one beyond the last, that pixels low .. high reach. */
 static void tile_range(double low, double high, uint32_t tiles, uint32_t *first, uint32_t *end)

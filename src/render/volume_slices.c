@@ -1,11 +1,11 @@
 /* Slices: iso-surfaces of the depth along the line of sight, tet by tet, filled row by row and laid over one another
    from the front (Takayama 2008 §5.1.2; thesis §5.3.1, "Volume Rendering").
 
-   Where a plane of equal depth passes through a tet it cuts out a triangle or a quadrilateral with corners on the tet's
-   edges (marching tetrahedra, Treece et al. 1999). A corner is computed from the edge's lower vertex to its higher one,
-   and a side from its upper corner to its lower one, so that pieces that share it compute the same bits; a row takes the
-   pixels from one crossing, rounded up, to the next, rounded up. So the pieces of a slice leave no pixel out and take
-   none twice, and no slice is ever held as a mesh. */
+   Where a plane of equal depth passes through a tet it cuts out a triangle or a quadrilateral with corners on the
+   tet's edges (marching tetrahedra, Treece et al. 1999). A corner is computed from the edge's lower vertex to its
+   higher one, and a side from its upper corner to its lower one, so that pieces that share it compute the same bits;
+   a row takes the pixels from one crossing, rounded up, to the next, rounded up. So the pieces of a slice leave no
+   pixel out and take none twice, and no slice is ever held as a mesh. */
 #include "volume_internal.h"
 
 #include <string.h>
@@ -158,8 +158,8 @@ static void find_spans(const volume_rays *rays, double pixel, const spot *corner
         const double slope = (b.x - a.x) / (b.y - a.y);
         for (uint32_t j = row[upper]; j < row[lower]; ++j) {
             const double x = a.x + (rays->down[j] - a.y) * slope;
-            s->low[j] = fmin(s->low[j], x);
-            s->high[j] = fmax(s->high[j], x);
+            if (x < s->low[j]) s->low[j] = x;
+            if (x > s->high[j]) s->high[j] = x;
         }
     }
 }

@@ -483,7 +483,8 @@ static void test_every_allocation_may_fail(void **state)
     pith_shell *shell = cube_shell();
     pith_solid *solid = flat_solid(0.5f, 0.5f, 0.5f, 1);
     pith_mesh *mesh = square(NULL, false);
-    const pith_render_item items[2] = { { .shell = shell, .solid = solid }, { .mesh = mesh, .colour = { 1, 1, 1, 1 } } };
+    const pith_render_item items[2] = { { .shell = shell, .solid = solid },
+                                        { .mesh = mesh, .colour = { 1, 1, 1, 1 } } };
     const pith_camera camera = front_camera();
     pith_render_options o = plain_options();
     o.width = o.height = 8;

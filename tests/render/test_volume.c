@@ -1,4 +1,5 @@
-/* Translucent pictures whose pixels are known: closed forms of what a medium lets through, transfer functions, light. */
+/* Translucent pictures whose pixels are known: closed forms of what a medium lets through, transfer functions, light,
+   and what is refused. */
 #include "render/volume_scenes.h"
 
 /* ---- closed forms ----------------------------------------------------------------------------------------------- */
@@ -196,13 +197,13 @@ static void test_the_camera_may_stand_inside(void **state)
     for (o.method = 0; o.method < 2; ++o.method)
         for (int i = 0; i < 3; ++i) {
             /* In a tet, on a vertex's line, and on the face between two: the far face is all the picture. */
-            const pith_camera camera = { { 0.47, i == 1 ? 0.4 : 0.37, i == 2 ? 0.4 : 0.53 }, { 0.47, 2, i == 2 ? 0.4 : 0.53 },
-                                         { 0, 0, 1 }, 60 };
+            const double y = i == 1 ? 0.4 : 0.37, z = i == 2 ? 0.4 : 0.53;
+            const pith_camera camera = { { 0.47, y, z }, { 0.47, 2, z }, { 0, 0, 1 }, 60 };
             pith_image *image = draw(part, solid, camera, &o);
-            for (uint32_t y = 0; y < 64; ++y)
+            for (uint32_t row = 0; row < 64; ++row)
                 for (uint32_t x = 0; x < 64; ++x) {
-                    const double length = (1 - camera.eye.y) * pith_length(ray_of(&camera, &o, x, y));
-                    CHECK_NEAR(pixel(image, x, y)[3], 1 - pow(0.7, length), 2e-5);
+                    const double length = (1 - y) * pith_length(ray_of(&camera, &o, x, row));
+                    CHECK_NEAR(pixel(image, x, row)[3], 1 - pow(0.7, length), 2e-5);
                 }
             pith_image_destroy(image);
         }
@@ -231,7 +232,8 @@ static void test_a_transfer_function_gives_colour_and_opacity(void **state)
     o.transparent = true;
     o.slices = 400;
     /* Opacity y/2 is the value: below 0.1 and above 0.2 nothing, between a peak of 0.8 at 0.15. */
-    const pith_transfer_point peak[3] = { { 0.1, { 1, 0, 0 }, 0 }, { 0.15, { 0, 1, 0 }, 0.8f }, { 0.2, { 0, 0, 1 }, 0 } };
+    const pith_transfer_point peak[3] = { { 0.1, { 1, 0, 0 }, 0 }, { 0.15, { 0, 1, 0 }, 0.8f },
+                                          { 0.2, { 0, 0, 1 }, 0 } };
     for (o.method = 0; o.method < 2; ++o.method) {
         pith_image *image = NULL;
         CHECK_OK(pith_render_volume(&item, 1, &camera, &o, peak, 3, NULL, &image, &err));
@@ -328,7 +330,7 @@ static void test_jitter_is_noise_about_the_same_picture(void **state)
     pith_part_destroy(part);
 }
 
-/* ---- what is refused -------------------------------------------------------------------------------------------------- */
+/* ---- what is refused --------------------------------------------------------------------------------------------- */
 
 static bool stop_at_once(void *user, double fraction, const char *what)
 {

@@ -3,8 +3,8 @@
 
 /* ---- one picture, several ways ---------------------------------------------------------------------------------- */
 
-/* No pixel further apart than an 8-bit step, but for one in a thousand: where a silhouette or the border of a tet passes
-   through a pixel's middle, the last bit decides whether a sample is taken. */
+/* No pixel further apart than an 8-bit step, but for one in a thousand: where a silhouette or the border of a tet
+   passes through a pixel's middle, the last bit decides whether a sample is taken. */
 static void same_picture(const pith_image *a, const pith_image *b)
 {
     double most;
@@ -51,7 +51,8 @@ static void test_a_part_that_was_split_looks_like_the_whole(void **state)
     CHECK_OK(pith_part_plane_values(b, &second, values, &err));
     CHECK_OK(pith_part_split(b, values, &c, &d, &err));
     pith_solid *solid = solid_of(waves, 48, -1, 1);
-    const pith_volume_item items[3] = { { a, solid, { 0, 0, 0 } }, { c, solid, { 0, 0, 0 } }, { d, solid, { 0, 0, 0 } } };
+    const pith_volume_item items[3] = { { a, solid, { 0, 0, 0 } }, { c, solid, { 0, 0, 0 } },
+                                        { d, solid, { 0, 0, 0 } } };
     pith_volume_options o = plain_options();
     o.width = o.height = 100;
     o.unit = 0.05;
@@ -91,7 +92,7 @@ static void test_bodies_are_seen_in_the_order_of_depth(void **state)
     o.slices = 150;
     for (o.method = 0; o.method < 2; ++o.method)
         for (int turn = 0; turn < 2; ++turn) {
-            /* The blue cube's front face is half a unit behind the other's back face; the order of the list is nothing. */
+            /* The blue cube's front face is half a unit behind the other's back face; the list's order is nothing. */
             const pith_volume_item near = { part, solid, { 0, 0, 0 } }, far = { part, other, { 0, 1.5, 0 } };
             const pith_volume_item apart[2] = { turn ? far : near, turn ? near : far };
             pith_image *image = draw_items(apart, 2, camera, &o);
@@ -143,8 +144,8 @@ static pith_solid *lapped_solid_of(const pith_tets *tets)
 }
 
 /* The same sum by asking at points alone: the solid has to find their tets itself. */
-static void by_points(const pith_solid *solid, const pith_camera *c, const pith_volume_options *o, uint32_t x, uint32_t y,
-                      double near, double step, double unit, const pith_tracer *tracer, double out[4])
+static void by_points(const pith_solid *solid, const pith_camera *c, const pith_volume_options *o, uint32_t x,
+                      uint32_t y, double near, double step, double unit, const pith_tracer *tracer, double out[4])
 {
     pith_error err;
     const pith_vec3 d = ray_of(c, o, x, y);

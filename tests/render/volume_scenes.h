@@ -21,8 +21,8 @@ static inline pith_solid *solid_of(fill_function *fill, uint32_t n, double low, 
     grid->origin = pith_v3(low, low, low);
     grid->spacing = pith_v3(spacing, spacing, spacing);
     for (uint32_t i = 0; i < n * n * n; ++i)
-        fill(pith_v3(low + spacing * (i % n + 0.5), low + spacing * (i / n % n + 0.5), low + spacing * (i / n / n + 0.5)),
-             grid->values + 4 * i);
+        fill(pith_v3(low + spacing * (i % n + 0.5), low + spacing * (i / n % n + 0.5),
+                     low + spacing * (i / n / n + 0.5)), grid->values + 4 * i);
     pith_solid *solid = NULL;
     CHECK_OK(pith_solid_grid(grid, true, &solid, &err));
     pith_grid_destroy(grid);
@@ -88,7 +88,8 @@ static inline pith_image *draw_items(const pith_volume_item *items, size_t count
     return image;
 }
 
-static inline pith_image *draw(const pith_part *part, const pith_solid *solid, pith_camera camera, const pith_volume_options *o)
+static inline pith_image *draw(const pith_part *part, const pith_solid *solid, pith_camera camera,
+                               const pith_volume_options *o)
 {
     const pith_volume_item item = { part, solid, { 0, 0, 0 } };
     return draw_items(&item, 1, camera, o);
