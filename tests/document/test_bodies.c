@@ -291,6 +291,39 @@ static void test_no_memory_while_bodies_are_made(void **state)
     pith_document_destroy(document);
 }
 
+/* Cutting fails cleanly wherever memory runs out, and works again afterwards. */
+static void test_no_memory_while_bodies_are_cut(void **state)
+{
+    (void)state;
+    made m = make(STRATA, NULL, NULL);
+    const pith_render_item *items = NULL;
+    const pith_volume_item *parts = NULL;
+    size_t count = 0, part_count = 0;
+    CHECK_OK(pith_model_items(m.model, &items, &count, &err));
+    const pith_vec3 points[2] = { { -2, -1, 0.1 }, { 2, -1, 0.1 } };
+    const pith_cut_step cuts[3] = {
+        { .plane = { { 0.05, 0, 0 }, { 1, 0, 0 } }, .separate = true },
+        { .stroke = { { 0, -9, 0 }, points, 2 }, .follow = pith_cut_stroke_options_default() },
+        { .plane = { { 0, 0.1, 0 }, { 0, 1, 0 } }, .keep = PITH_KEEP_NEGATIVE },
+    };
+    size_t n = 0;
+    for (pith_status status = PITH_NO_MEMORY; status != PITH_OK; ++n) {
+        items = NULL;
+        pith_memory_fail_after(n);
+        status = pith_model_set_cuts(m.model, cuts, 3, &err);
+        if (status == PITH_OK) status = pith_model_items(m.model, &items, &count, &err);
+        if (status == PITH_OK) status = pith_model_volume_items(m.model, &parts, &part_count, &err);
+        pith_memory_fail_after(SIZE_MAX);
+        if (status != PITH_OK) assert_int_equal(status, PITH_NO_MEMORY);
+    }
+    CHECK_AT_LEAST(n, 30);
+    assert_int_equal(count, part_count);
+    double sum = 0;
+    for (size_t i = 0; i < part_count; ++i) sum += pith_part_volume(parts[i].part);
+    CHECK_NEAR(sum, volume_of(items, count), 1e-11 * sum);
+    unmake(&m);
+}
+
 /* ---- many cuts ------------------------------------------------------------------------------------------------------------ */
 
 /* A hundred planes in all directions that all meet the body. */
@@ -430,6 +463,7 @@ int main(void)
         cmocka_unit_test(test_a_cache_holds_many_sections),
         cmocka_unit_test(test_progress_and_notes_are_the_wholes),
         cmocka_unit_test(test_no_memory_while_bodies_are_made),
+        cmocka_unit_test(test_no_memory_while_bodies_are_cut),
         cmocka_unit_test(test_a_hundred_cuts),
         cmocka_unit_test(test_separated_parts),
         cmocka_unit_test(test_strokes_cut_as_planes_do),

@@ -273,6 +273,31 @@ static void test_pastes_lie_on_top(void **state)
     unmake(&m);
 }
 
+/* Wherever memory runs out while everything is built, that is what is said; a note says so when only saving failed. */
+static void test_no_memory_while_building(void **state)
+{
+    (void)state;
+    static const char text[] = DOCUMENT(SCALE ", " VECTORS ", "
+                                        LAPPED("0-B", WAVES, ", \"pastes\": [ " PASTE("[0.4, 0, 0]") " ]"));
+    const char *file = in_folder("memory.pithc");
+    int failed = 0;
+    for (size_t n = 1;; n += n / 8 + 1) {
+        made m = make(text, file);
+        const pith_solid *solid = NULL;
+        pith_memory_fail_after(n);
+        const pith_status status = pith_model_solid(m.model, &solid, &err);
+        pith_memory_fail_after(SIZE_MAX);
+        const bool unsaved = strstr(pith_model_notes(m.model), "could not") != NULL;
+        if (status != PITH_OK) assert_int_equal(status, PITH_NO_MEMORY);
+        assert_true((status == PITH_OK) == (solid != NULL));
+        unmake(&m);
+        remove(file);
+        if (status == PITH_OK && !unsaved) break;
+        ++failed;
+    }
+    CHECK_AT_LEAST(failed, 20);
+}
+
 /* ---- refining, displacement, volumes ------------------------------------------------------------------------------------------ */
 
 static void test_refining_round_singularities(void **state)
@@ -436,6 +461,7 @@ int main(void)
         cmocka_unit_test(test_exemplars_must_tile),
         cmocka_unit_test(test_what_tiles_is_taken),
         cmocka_unit_test(test_pastes_lie_on_top),
+        cmocka_unit_test(test_no_memory_while_building),
         cmocka_unit_test(test_refining_round_singularities),
         cmocka_unit_test(test_displaced_skins),
         cmocka_unit_test(test_translucent_views),
