@@ -45,6 +45,9 @@ size_t pith_document_bodies(const pith_document *document);
 const char *pith_document_body_name(const pith_document *document, size_t index);
 /** Is it seen through (has it "volume")? */
 bool pith_document_translucent(const pith_document *document);
+/** The camera as the document states it. True when it has a place of its own; else it is to be fitted round what is seen
+ *  (pith_camera_fit): target is then the origin and eye the direction. */
+bool pith_document_camera(const pith_document *document, pith_camera *camera);
 
 /** One operation on a document, as JSON: {"op": "depth.fill", "body": "…", "face": 12, "depth": 0.25, "crease": 30}.
  *  What an editor's tools do; docs/document.md lists them all. Makes a new document, checked as when loaded; the old one

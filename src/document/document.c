@@ -224,3 +224,11 @@ const char *pith_document_body_name(const pith_document *document, size_t index)
 }
 
 bool pith_document_translucent(const pith_document *document) { return document->translucent; }
+
+bool pith_document_camera(const pith_document *document, pith_camera *camera)
+{
+    const document_camera *from = &document->camera;
+    *camera = from->placed ? (pith_camera){ from->eye, from->target, from->up, from->lens.field_of_view }
+                           : (pith_camera){ from->direction, pith_v3(0, 0, 0), from->up, from->lens.field_of_view };
+    return from->placed;
+}
