@@ -11,7 +11,7 @@ static const pith_param displacement_items[] = {
     { "channel", "1", "channel of the solid that says how far, counted from 0; 4 is the first beyond colour, opacity",
       PITH_PARAM_UINT, 0, 4, 63, OPTION(channel), NULL },
     { "amount", "model units", "how far the skin moves out when the channel is 1 above the middle; below 0: inwards",
-      PITH_PARAM_DOUBLE, -1e9, 0.05, 1e9, OPTION(amount), NULL },
+      PITH_PARAM_DOUBLE, -1e9, 1, 1e9, OPTION(amount), NULL },
     { "middle", "1", "value of the channel at which the skin stays; more of it moves everything inwards",
       PITH_PARAM_DOUBLE, -1e6, 0, 1e6, OPTION(middle), NULL },
     { "edge", "model units", "longest edge after dividing; longer ones are quicker and lose detail, 0 divides nothing",
