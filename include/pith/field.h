@@ -43,8 +43,9 @@ pith_status pith_depth_field(const pith_tets *tets, const pith_depth_constraint 
 
 typedef struct pith_smoothing_options {
     double lambda_r;    /* λR of exp(-λR r² - λD d²); r in units of the mean edge length (thesis §4.4.2) */
-    double lambda_d;    /* λD; d is the difference of depth. 0 and 0: uniform weights 1/|N|. No neighbour counts less
-                           than a thousandth of the heaviest: layers never come apart entirely */
+    double lambda_d;    /* λD; d in units of the mean difference of depth along an edge (root of the mean square), so
+                           that finer meshes need no other value. 0 and 0: uniform weights 1/|N|. No neighbour counts
+                           less than a thousandth of the heaviest: layers never come apart entirely */
     double constraint_weight; /* of each constraint row against one Laplacian row; 10 meets values to about a percent */
     uint32_t barycentric; /* constraint rows: 1 barycentric (2008, eq. 2), 0 exponential weights (thesis §4.4.2) */
 } pith_smoothing_options;
@@ -70,11 +71,39 @@ pith_status pith_smoother_solve(const pith_smoother *smoother, const double *val
 /** A stroke of the secondary direction: a polyline; its direction at a point is the tangent there. */
 typedef struct pith_stroke { const pith_vec3 *points; size_t count; } pith_stroke;
 
-/** Secondary directions at every vertex, unit length: strokes are resampled, smoothed with depth-aware weights,
- *  orthogonalised to the depth gradient and normalised (thesis §4.4.2). Where nothing is left after that (the stroke
- *  runs along the gradient, or the gradient vanishes) the direction of the neighbours is taken, and where even they
- *  have none a fixed perpendicular. secondary [vertex_count]. gradient as pith_depth_field gave it.
- *  PITH_BAD_ARGUMENT: no stroke, a stroke without length, numbers that are not finite. Cost: 40 000 vertices 1.3 s. */
+typedef struct pith_frame_field pith_frame_field; /* borrows tets and locator: they must outlive it */
+
+/** What became of the strokes. */
+typedef struct pith_frame_report {
+    size_t samples;     /* points along all strokes */
+    size_t dropped;     /* of them within 6 degrees of the gradient: they say nothing about layers and are left out */
+    uint32_t repaired;  /* vertices where smoothing left nothing; they took the direction of their neighbours, or … */
+    uint32_t unreached; /* … these, in components of the tets that no stroke touches, a fixed perpendicular */
+} pith_frame_report;
+
+/** Prepares secondary directions over tets: neighbours, weights, and how directions are carried from tangent plane to
+ *  tangent plane of the depth layers. depth may be NULL when lambda_d is 0; gradient as pith_depth_field gave it.
+ *  PITH_BAD_ARGUMENT: options out of range, numbers that are not finite, a gradient that is zero everywhere. */
+pith_status pith_frame_field_create(const pith_tets *tets, const pith_locator *locator, const double *depth,
+                                    const pith_vec3 *gradient, const pith_smoothing_options *options,
+                                    pith_frame_field **field, pith_error *err);
+void pith_frame_field_destroy(pith_frame_field *field);
+/** The secondary direction at every vertex, unit length and perpendicular to the gradient: strokes are resampled half an
+ *  edge apart and smoothed with depth-aware weights within the layers (thesis §4.4.2; directions are carried to neighbours
+ *  by the smallest rotation of the normals, so that they keep their angle round a wall). Above 4 000 vertices the unknowns
+ *  are groups of vertices, about that many. What becomes of
+ *  - vertices where the gradient vanishes: they use the normal of a neighbour;
+ *  - vertices where smoothing leaves nothing (below 1e-4 of the longest): the direction of their neighbours;
+ *  - components of the tets without a stroke: a fixed perpendicular (pith_perpendicular of the gradient);
+ *  - samples within 6 degrees of the gradient: they are dropped; the report says how many.
+ *  A stroke along an axis, where gradients cancel, is across all of them and counts.
+ *  PITH_BAD_ARGUMENT, naming the stroke: none, no length, not finite, farther outside than a hundredth of the diagonal,
+ *  along the gradient everywhere, two strokes (or one and itself) that run in opposite directions, by more than 135
+ *  degrees, within a thousandth of the diagonal. secondary [vertex_count]; report may be NULL.
+ *  The same bits for any number of threads. Not for two threads at a time. */
+pith_status pith_frame_field_solve(pith_frame_field *field, const pith_stroke *strokes, size_t count,
+                                   pith_vec3 *secondary, pith_frame_report *report, pith_error *err);
+/** Both in one call. */
 pith_status pith_secondary_field(const pith_tets *tets, const pith_locator *locator, const double *depth,
                                  const pith_vec3 *gradient, const pith_stroke *strokes, size_t stroke_count,
                                  const pith_smoothing_options *options, pith_vec3 *secondary, pith_error *err);
@@ -111,7 +140,7 @@ pith_status pith_faces_fill(const pith_mesh *mesh, uint32_t face, const int32_t 
 
 typedef struct pith_tangent_options {
     double constraint_weight;   /* of each stroke sample against one row of the Laplacian */
-    double spacing;             /* distance of samples along a stroke, in mean edge lengths */
+    double spacing;             /* length of a stroke's segments, in mean edge lengths */
     uint64_t seed;              /* direction where smoothing leaves exactly nothing */
 } pith_tangent_options;
 extern const pith_params pith_tangent_params;
@@ -120,13 +149,13 @@ pith_tangent_options pith_tangent_options_default(void);
 typedef struct pith_tangent_field pith_tangent_field; /* keeps a copy of the mesh, its Laplacian and what is factored */
 
 /** Prepares a smooth tangent field on a surface: cotangent Laplacian (negative cotangents are clamped), nearest-vertex
- *  search. The slow part, done once: 100 000 triangles in under … s (see the implementation's comment).
+ *  search. The slow part, done once: 100 000 triangles in about a second (see the implementation's comment).
  *  PITH_BAD_MESH for a mesh without area; open meshes are allowed. */
 pith_status pith_tangent_field_create(const pith_mesh *mesh, const pith_tangent_options *options,
                                       pith_tangent_field **field, pith_error *err);
 void pith_tangent_field_destroy(pith_tangent_field *field);
 /** The field for these strokes (all of them; those that are as in the last call cost nothing again). Every small segment
- *  of a stroke gives its unit direction to the vertex nearest to it; each component of the vectors is smoothed, the
+ *  of a stroke gives its unit direction to the nearest vertex of the triangle nearest to it; each component of the vectors is smoothed, the
  *  result projected to the tangent plane and brought to unit length. vectors [vertex_count]. What smoothing leaves
  *  without direction gets that of its neighbours; a component of the surface without any stroke gets zero vectors.
  *  PITH_BAD_ARGUMENT, naming the stroke: no length, not finite, farther from the surface than a hundredth of the
@@ -140,7 +169,7 @@ pith_status pith_tangent_field_solve(pith_tangent_field *field, const pith_strok
 typedef struct pith_volume_field_options {
     uint32_t voxels;            /* along the longest side of the box */
     double constraint_weight;   /* of each constraint row (boundary voxel, stroke sample) against one Laplacian row */
-    double tolerance;           /* relative residual of the iterative solve */
+    double tolerance;           /* energy norm of the error, relative to that of the constraints */
     uint64_t seed;              /* direction where smoothing leaves exactly nothing */
 } pith_volume_field_options;
 extern const pith_params pith_volume_field_params;

@@ -53,7 +53,7 @@ pith_status adjacency_make(const pith_tets_view *tets, adjacency *made, pith_err
     uint32_t *first = pith_alloc((size_t)n + 1, sizeof *first);
     uint32_t *around = pith_alloc((size_t)tets->tet_count * 4, sizeof *around);
     uint32_t *mark = pith_alloc(2 * (size_t)n, sizeof *mark); /* one half for counting, one for filling */
-    adjacency out = { n, pith_alloc((size_t)n + 1, sizeof *out.start), NULL, 0.0 };
+    adjacency out = { n, pith_alloc((size_t)n + 1, sizeof *out.start), NULL, 0.0, 0.0 };
     pith_status status = PITH_OK;
     if (!first || !around || !mark || !out.start) {
         status = PITH_OUT_OF_MEMORY(err, "the vertex neighbours");
@@ -82,4 +82,14 @@ done:
     pith_free(mark);
     adjacency_free(&out);
     return status;
+}
+
+void measure_depth_steps(adjacency *adjacent, const double *depth)
+{
+    double sum = 0.0;
+    for (uint32_t v = 0; depth && v < adjacent->vertex_count; ++v)
+        for (uint32_t e = adjacent->start[v]; e < adjacent->start[v + 1]; ++e)
+            sum += (depth[v] - depth[adjacent->neighbour[e]]) * (depth[v] - depth[adjacent->neighbour[e]]);
+    const double mean = sum / fmax(adjacent->start[adjacent->vertex_count], 1.0);
+    adjacent->per_step = mean > 0.0 && isfinite(1.0 / mean) ? 1.0 / mean : 0.0;
 }

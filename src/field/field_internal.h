@@ -42,9 +42,23 @@ typedef struct adjacency {
     uint32_t *start;        /* [vertex_count + 1] into neighbour */
     uint32_t *neighbour;    /* ascending within a vertex */
     double mean_edge;       /* length */
+    double per_step;        /* 1 / mean squared difference of depth along an edge; 0 where depth is constant */
 } adjacency;
 
 pith_status adjacency_make(const pith_tets_view *tets, adjacency *made, pith_error *err);
 void adjacency_free(adjacency *adjacent);
+/* Fills per_step; depth [vertex_count] may be NULL. */
+void measure_depth_steps(adjacency *adjacent, const double *depth);
+
+/* ---- weights of neighbours (smoother.c) -------------------------------------------------------------------------- */
+
+uint32_t most_neighbours(const adjacency *adjacent);
+/* The weights of v's neighbours, in their order; scratch holds twice as many. */
+void neighbour_shares(const pith_tets_view *tets, const adjacency *adjacent, const double *depth,
+                      const pith_smoothing_options *options, uint32_t v, double *scratch, double *weights);
+/* The weights of the corners of the tet that holds a point. */
+void corner_shares(const pith_tets_view *tets, const adjacency *adjacent, const double *depth,
+                   const pith_smoothing_options *options, pith_vec3 point, const uint32_t corner[4],
+                   const double bary[4], double weight[4]);
 
 #endif

@@ -1,67 +1,11 @@
 /* Secondary directions and frames. Takayama's thesis (2010), section 4.4.2. */
-#include "field_internal.h"
+#include "layers_internal.h"
 
 #include <string.h>
 
 /* Of a direction less than this is left after the part along the gradient is gone: then what is left is rounding and
    the spread of the solution, not a direction. */
 static const double nothing_left = 1e-4;
-/* A gradient this much smaller than the largest has no direction of its own. */
-static const double no_gradient = 1e-9;
-
-/* ---- strokes ----------------------------------------------------------------------------------------------------- */
-
-static pith_status check_strokes(const pith_stroke *strokes, size_t count, pith_error *err)
-{
-    if (count == 0 || !strokes)
-        return pith_fail(err, PITH_BAD_ARGUMENT, "the secondary direction has no strokes; draw at least one");
-    for (size_t s = 0; s < count; ++s) {
-        for (size_t i = 0; i < strokes[s].count; ++i)
-            if (!pith_finite(strokes[s].points[i]))
-                return pith_fail(err, PITH_BAD_ARGUMENT, "stroke %zu, point %zu is (%g, %g, %g), expected finite "
-                                 "numbers", s, i, strokes[s].points[i].x, strokes[s].points[i].y,
-                                 strokes[s].points[i].z);
-        const double length = strokes[s].count ? polyline_length(strokes[s].points, strokes[s].count) : 0.0;
-        if (!(length > 0.0 && length < INFINITY))
-            return pith_fail(err, PITH_BAD_ARGUMENT, "stroke %zu has %zu points and the length %g; a direction needs "
-                             "two different points", s, strokes[s].count, length);
-    }
-    return PITH_OK;
-}
-
-/* Points along all strokes, about half an edge apart, and the tangents there as [3][count]. */
-static pith_status sample_strokes(const pith_stroke *strokes, size_t stroke_count, double spacing, pith_vec3 **points,
-                                  double **tangents, size_t *count, pith_error *err)
-{
-    size_t total = 0;
-    for (size_t s = 0; s < stroke_count; ++s)
-        total += polyline_sample_count(polyline_length(strokes[s].points, strokes[s].count), spacing);
-    pith_vec3 *at = pith_alloc(total, sizeof *at), *along = pith_alloc(total, sizeof *along);
-    double *values = pith_alloc(3 * total, sizeof *values);
-    if (!at || !along || !values) {
-        pith_free(at);
-        pith_free(along);
-        pith_free(values);
-        return PITH_OUT_OF_MEMORY(err, "the strokes");
-    }
-    size_t filled = 0;
-    for (size_t s = 0; s < stroke_count; ++s) {
-        const double length = polyline_length(strokes[s].points, strokes[s].count);
-        const size_t samples = polyline_sample_count(length, spacing);
-        polyline_resample(strokes[s].points, strokes[s].count, length, samples, at + filled);
-        polyline_tangents(at + filled, samples, along + filled);
-        filled += samples;
-    }
-    for (size_t i = 0; i < total; ++i)
-        values[i] = along[i].x, values[total + i] = along[i].y, values[2 * total + i] = along[i].z;
-    pith_free(along);
-    *points = at;
-    *tangents = values;
-    *count = total;
-    return PITH_OK;
-}
-
-/* ---- after smoothing --------------------------------------------------------------------------------------------- */
 
 /* Twice, because what the first pass leaves may be mostly rounding; the second makes it perpendicular to the last bit. */
 pith_vec3 across_unit(pith_vec3 v, pith_vec3 n)
@@ -73,10 +17,105 @@ pith_vec3 across_unit(pith_vec3 v, pith_vec3 n)
 
 static bool is_zero(pith_vec3 v) { return v.x == 0.0 && v.y == 0.0 && v.z == 0.0; }
 
-/* Gives vertices without a direction that of their neighbours, round by round from the rim inward. A round reads only
-   what the round before left, so the order of vertices does not matter. */
-static pith_status repair(const adjacency *adjacent, const pith_vec3 *normals, pith_vec3 *secondary, pith_error *err)
+struct pith_frame_field {
+    const pith_tets *tets;
+    const pith_locator *locator;
+    pith_smoothing_options options;
+    double *depth;              /* [vertex_count] or NULL */
+    layers layers;
+};
+
+/* ---- constraints ------------------------------------------------------------------------------------------------- */
+
+/* The row of one sample. The stroke's direction, cast into the tangent plane of each corner, is what that corner's
+   direction is measured against: the weighted mean over the corners shall be 1, along the stroke, and nothing aside. A
+   corner whose plane the stroke pierces has no say. */
+static void sample_row(const layers *l, const uint32_t corner[4], const double share[4], pith_vec3 tangent,
+                       double weight, uint32_t *column, turn *value)
 {
+    turn cast[4];
+    double length[4], sum = 0.0;
+    for (int k = 0; k < 4; ++k) {
+        cast[k] = layers_coordinates(l, corner[k], tangent);
+        length[k] = hypot(cast[k].re, cast[k].im);
+        if (length[k] > nothing_left) sum += share[k];
+    }
+    for (int k = 0; k < 4; ++k) {
+        const bool speaks = length[k] > nothing_left && fabs(sum) > nothing_left;
+        const double factor = speaks ? weight * share[k] / sum / length[k] : 0.0;
+        column[k] = corner[k];
+        value[k] = (turn){ factor * cast[k].re, -factor * cast[k].im };
+    }
+}
+
+/* One vertex, the lowest, of every component that no sample touches. Returns how many. */
+static uint32_t find_anchors(const adjacency *adjacent, const turns *rows, uint32_t row_count, uint32_t *queue,
+                             bool *reached, uint32_t *anchors, uint32_t *unreached)
+{
+    uint32_t end = 0, count = 0, next = 0, seed = 0;
+    *unreached = 0;
+    for (uint32_t e = 0; e < rows->start[row_count]; ++e)
+        if (!reached[rows->column[e]]) reached[rows->column[e]] = true, queue[end++] = rows->column[e];
+    for (;;) {
+        for (; next < end; ++next)
+            for (uint32_t e = adjacent->start[queue[next]]; e < adjacent->start[queue[next] + 1]; ++e) {
+                const uint32_t v = adjacent->neighbour[e];
+                if (!reached[v]) reached[v] = true, queue[end++] = v;
+            }
+        if (count == 0) *unreached = adjacent->vertex_count - end;
+        while (seed < adjacent->vertex_count && reached[seed]) ++seed;
+        if (seed == adjacent->vertex_count) return count;
+        anchors[count++] = seed;
+        reached[seed] = true;
+        queue[end++] = seed;
+    }
+}
+
+/* Rows of the samples, then one for each component without a sample, which is held at 0. */
+static pith_status constraint_rows(const pith_frame_field *field, const stroke_samples *samples, turns *made,
+                                   uint32_t *unreached, pith_error *err)
+{
+    const pith_tets_view tets = pith_tets_look(field->tets);
+    const uint32_t n = tets.vertex_count, count = (uint32_t)samples->count;
+    const double weight = field->options.constraint_weight;
+    uint32_t *queue = pith_alloc(n, sizeof *queue), *anchors = pith_alloc(n, sizeof *anchors);
+    bool *reached = pith_alloc(n, sizeof *reached);
+    turns out = { .columns = n, .start = pith_alloc((size_t)count + n + 1, sizeof *out.start),
+                  .column = pith_alloc(4 * (size_t)count + n, sizeof *out.column),
+                  .value = pith_alloc(4 * (size_t)count + n, sizeof *out.value) };
+    const bool room = queue && anchors && reached && out.start && out.column && out.value;
+    if (room) {
+        for (uint32_t i = 0; i < count; ++i) {
+            sample_row(&field->layers, tets.tets[samples->tets[i]], samples->shares[i], samples->tangents[i], weight,
+                       out.column + 4 * (size_t)i, out.value + 4 * (size_t)i);
+            out.start[i + 1] = 4 * i + 4;
+        }
+        const uint32_t anchored =
+            find_anchors(&field->layers.adjacent, &out, count, queue, reached, anchors, unreached);
+        for (uint32_t i = 0; i < anchored; ++i) {
+            out.column[4 * count + i] = anchors[i];
+            out.value[4 * count + i] = (turn){ weight, 0 };
+            out.start[count + i + 1] = 4 * count + i + 1;
+        }
+        out.rows = count + anchored;
+        *made = out;
+    } else {
+        turns_free(&out);
+    }
+    pith_free(queue);
+    pith_free(anchors);
+    pith_free(reached);
+    return room ? PITH_OK : PITH_OUT_OF_MEMORY(err, "the constraint rows");
+}
+
+/* ---- after smoothing --------------------------------------------------------------------------------------------- */
+
+/* Gives vertices without a direction that of their neighbours, round by round from the rim inward. A round reads only
+   what the round before left, so the order of vertices does not matter. Where nothing can be had: a fixed perpendicular.
+   Counts what it had to do. */
+static pith_status repair(const layers *l, pith_vec3 *secondary, uint32_t *repaired, pith_error *err)
+{
+    const adjacency *adjacent = &l->adjacent;
     const uint32_t n = adjacent->vertex_count;
     uint32_t *missing = pith_alloc(n, sizeof *missing);
     pith_vec3 *found = pith_alloc(n, sizeof *found);
@@ -88,6 +127,7 @@ static pith_status repair(const adjacency *adjacent, const pith_vec3 *normals, p
     uint32_t count = 0;
     for (uint32_t v = 0; v < n; ++v)
         if (is_zero(secondary[v])) missing[count++] = v;
+    *repaired = count;
     for (bool changed = true; changed && count > 0;) {
         changed = false;
         for (uint32_t i = 0; i < count; ++i) {
@@ -95,7 +135,7 @@ static pith_status repair(const adjacency *adjacent, const pith_vec3 *normals, p
             pith_vec3 sum = pith_v3(0, 0, 0);
             for (uint32_t e = adjacent->start[v]; e < adjacent->start[v + 1]; ++e)
                 sum = pith_add(sum, secondary[adjacent->neighbour[e]]);
-            found[i] = pith_length(sum) > nothing_left ? across_unit(sum, normals[v]) : pith_v3(0, 0, 0);
+            found[i] = pith_length(sum) > nothing_left ? across_unit(sum, l->normal[v]) : pith_v3(0, 0, 0);
         }
         uint32_t left = 0;
         for (uint32_t i = 0; i < count; ++i) {
@@ -104,35 +144,124 @@ static pith_status repair(const adjacency *adjacent, const pith_vec3 *normals, p
         }
         count = left;
     }
-    for (uint32_t i = 0; i < count; ++i) {
-        const pith_vec3 normal = normals[missing[i]];
-        secondary[missing[i]] = pith_perpendicular(is_zero(normal) ? pith_v3(0, 0, 1) : normal);
-    }
+    for (uint32_t i = 0; i < count; ++i) secondary[missing[i]] = pith_perpendicular(l->normal[missing[i]]);
     pith_free(missing);
     pith_free(found);
     return PITH_OK;
 }
 
-/* smooth [3][vertex_count] becomes unit directions perpendicular to the gradient. */
-static pith_status straighten(const adjacency *adjacent, const pith_vec3 *gradient, const double *smooth,
-                              pith_vec3 *secondary, pith_error *err)
+/* Unit directions from the smoothed ones; zero where next to nothing of the longest is left. */
+static void straighten(const layers *l, const turn *smooth, pith_vec3 *secondary)
 {
-    const uint32_t n = adjacent->vertex_count;
-    pith_vec3 *normals = pith_alloc(n, sizeof *normals);
-    if (!normals) return PITH_OUT_OF_MEMORY(err, "the depth directions");
-    double steepest = 0.0, longest = 0.0;
+    const uint32_t n = l->adjacent.vertex_count;
+    double longest = 0.0;
+    for (uint32_t v = 0; v < n; ++v) longest = fmax(longest, hypot(smooth[v].re, smooth[v].im));
     for (uint32_t v = 0; v < n; ++v) {
-        steepest = fmax(steepest, pith_length(gradient[v]));
-        secondary[v] = pith_v3(smooth[v], smooth[n + v], smooth[2 * (size_t)n + v]);
-        longest = fmax(longest, pith_length(secondary[v]));
+        const bool left = hypot(smooth[v].re, smooth[v].im) > nothing_left * longest;
+        secondary[v] = left ? across_unit(layers_direction(l, v, smooth[v]), l->normal[v]) : pith_v3(0, 0, 0);
     }
-    for (uint32_t v = 0; v < n; ++v) {
-        if (pith_length(gradient[v]) > no_gradient * steepest) normals[v] = pith_unit(gradient[v]);
-        secondary[v] = pith_length(secondary[v]) > nothing_left * longest ? across_unit(secondary[v], normals[v])
-                                                                         : pith_v3(0, 0, 0);
+}
+
+/* ---- the object -------------------------------------------------------------------------------------------------- */
+
+void pith_frame_field_destroy(pith_frame_field *field)
+{
+    if (!field) return;
+    layers_free(&field->layers);
+    pith_free(field->depth);
+    pith_free(field);
+}
+
+static pith_status check_input(const pith_tets_view *tets, const double *depth, const pith_vec3 *gradient,
+                               const pith_smoothing_options *options, double *steepest, pith_error *err)
+{
+    PITH_TRY(pith_params_check(&pith_smoothing_params, options, err));
+    if (tets->tet_count == 0) return pith_fail(err, PITH_BAD_MESH, "a frame field needs at least one tetrahedron");
+    if (!depth && options->lambda_d > 0.0)
+        return pith_fail(err, PITH_BAD_ARGUMENT, "smoothing with lambda_d %g needs the depth at every vertex; give it "
+                         "or set lambda_d to 0", options->lambda_d);
+    *steepest = 0.0;
+    for (uint32_t v = 0; v < tets->vertex_count; ++v) {
+        if (!pith_finite(gradient[v]))
+            return pith_fail(err, PITH_BAD_ARGUMENT, "the gradient of vertex %u is (%g, %g, %g), expected finite "
+                             "numbers", v, gradient[v].x, gradient[v].y, gradient[v].z);
+        if (depth && !isfinite(depth[v]))
+            return pith_fail(err, PITH_BAD_ARGUMENT, "the depth of vertex %u is %g, expected a finite number", v,
+                             depth[v]);
+        *steepest = fmax(*steepest, pith_length(gradient[v]));
     }
-    const pith_status status = repair(adjacent, normals, secondary, err);
-    pith_free(normals);
+    if (!(*steepest > 0.0))
+        return pith_fail(err, PITH_BAD_ARGUMENT, "the gradient of depth is zero everywhere, so there are no layers; "
+                         "constrain the depth to two different values at least");
+    return PITH_OK;
+}
+
+pith_status pith_frame_field_create(const pith_tets *tets, const pith_locator *locator, const double *depth,
+                                    const pith_vec3 *gradient, const pith_smoothing_options *options,
+                                    pith_frame_field **field, pith_error *err)
+{
+    if (!tets || !locator || !gradient || !options || !field)
+        return pith_fail(err, PITH_BAD_ARGUMENT, "a frame field needs tetrahedra, a locator, the gradient of depth and "
+                         "options");
+    const pith_tets_view view = pith_tets_look(tets);
+    double steepest = 0.0;
+    PITH_TRY(check_input(&view, depth, gradient, options, &steepest, err));
+    pith_frame_field *made = pith_alloc(1, sizeof *made);
+    if (!made) return PITH_OUT_OF_MEMORY(err, "the frame field");
+    *made = (pith_frame_field){ .tets = tets, .locator = locator, .options = *options };
+    pith_status status = PITH_OK;
+    if (depth) {
+        made->depth = pith_alloc(view.vertex_count, sizeof *made->depth);
+        if (made->depth) memcpy(made->depth, depth, view.vertex_count * sizeof *depth);
+        else status = PITH_OUT_OF_MEMORY(err, "the depth");
+    }
+    if (status == PITH_OK) status = layers_make(tets, depth, gradient, steepest, options, &made->layers, err);
+    if (status != PITH_OK) {
+        pith_frame_field_destroy(made);
+        return status;
+    }
+    *field = made;
+    return PITH_OK;
+}
+
+pith_status pith_frame_field_solve(pith_frame_field *field, const pith_stroke *strokes, size_t count,
+                                   pith_vec3 *secondary, pith_frame_report *report, pith_error *err)
+{
+    if (!field || !secondary)
+        return pith_fail(err, PITH_BAD_ARGUMENT, "solving a frame field needs the field and room for its result");
+    const uint32_t n = field->layers.adjacent.vertex_count;
+    stroke_samples samples = { 0 };
+    turns constrain = { 0 };
+    turn *smooth = pith_alloc(n, sizeof *smooth), *values = NULL;
+    pith_vec3 *made = pith_alloc(n, sizeof *made);
+    pith_frame_report found = { 0 };
+    pith_status status = PITH_OK;
+    if (!smooth || !made) {
+        status = PITH_OUT_OF_MEMORY(err, "the secondary directions");
+        goto done;
+    }
+    PITH_TRY_OR(done, stroke_samples_make(field->tets, field->locator, field->depth, &field->layers, strokes, count,
+                                          &field->options, &samples, err));
+    PITH_TRY_OR(done, constraint_rows(field, &samples, &constrain, &found.unreached, err));
+    values = pith_alloc(constrain.rows, sizeof *values);
+    if (!values) {
+        status = PITH_OUT_OF_MEMORY(err, "the prescribed directions");
+        goto done;
+    }
+    for (size_t i = 0; i < samples.count; ++i) values[i].re = field->options.constraint_weight;
+    PITH_TRY_OR(done, layers_solve(&field->layers, &constrain, values, smooth, err));
+    straighten(&field->layers, smooth, made);
+    PITH_TRY_OR(done, repair(&field->layers, made, &found.repaired, err));
+    found.samples = samples.count + samples.dropped;
+    found.dropped = samples.dropped;
+    memcpy(secondary, made, n * sizeof *made);
+    if (report) *report = found;
+done:
+    stroke_samples_free(&samples);
+    turns_free(&constrain);
+    pith_free(values);
+    pith_free(smooth);
+    pith_free(made);
     return status;
 }
 
@@ -140,38 +269,10 @@ pith_status pith_secondary_field(const pith_tets *tets, const pith_locator *loca
                                  const pith_vec3 *gradient, const pith_stroke *strokes, size_t stroke_count,
                                  const pith_smoothing_options *options, pith_vec3 *secondary, pith_error *err)
 {
-    if (!tets || !locator || !gradient || !secondary)
-        return pith_fail(err, PITH_BAD_ARGUMENT, "the secondary field needs tetrahedra, a locator and the gradient of "
-                         "depth");
-    PITH_TRY(check_strokes(strokes, stroke_count, err));
-    const pith_tets_view view = pith_tets_look(tets);
-    for (uint32_t v = 0; v < view.vertex_count; ++v)
-        if (!pith_finite(gradient[v]))
-            return pith_fail(err, PITH_BAD_ARGUMENT, "the gradient of vertex %u is (%g, %g, %g), expected finite "
-                             "numbers", v, gradient[v].x, gradient[v].y, gradient[v].z);
-    adjacency adjacent = { 0 };
-    pith_smoother *smoother = NULL;
-    pith_vec3 *points = NULL, *made = pith_alloc(view.vertex_count, sizeof *made);
-    double *tangents = NULL, *smooth = pith_alloc((size_t)view.vertex_count * 3, sizeof *smooth);
-    size_t count = 0;
-    pith_status status = PITH_OK;
-    if (!made || !smooth) {
-        status = PITH_OUT_OF_MEMORY(err, "the secondary directions");
-        goto done;
-    }
-    PITH_TRY_OR(done, adjacency_make(&view, &adjacent, err));
-    PITH_TRY_OR(done, sample_strokes(strokes, stroke_count, 0.5 * adjacent.mean_edge, &points, &tangents, &count, err));
-    PITH_TRY_OR(done, pith_smoother_create(tets, locator, depth, points, count, options, &smoother, err));
-    PITH_TRY_OR(done, pith_smoother_solve(smoother, tangents, 3, smooth, err));
-    PITH_TRY_OR(done, straighten(&adjacent, gradient, smooth, made, err));
-    memcpy(secondary, made, view.vertex_count * sizeof *made);
-done:
-    adjacency_free(&adjacent);
-    pith_smoother_destroy(smoother);
-    pith_free(points);
-    pith_free(tangents);
-    pith_free(smooth);
-    pith_free(made);
+    pith_frame_field *field = NULL;
+    PITH_TRY(pith_frame_field_create(tets, locator, depth, gradient, options, &field, err));
+    const pith_status status = pith_frame_field_solve(field, strokes, stroke_count, secondary, NULL, err);
+    pith_frame_field_destroy(field);
     return status;
 }
 

@@ -15,8 +15,8 @@ static const char *const row_words[] = { "exponential", "barycentric", NULL };
 static const pith_param smoothing_items[] = {
     { "lambda_r", "1", "more of it lets near neighbours count more (distance in mean edge lengths, squared)",
       PITH_PARAM_DOUBLE, 0, 0.5, 1000, offsetof(pith_smoothing_options, lambda_r), NULL },
-    { "lambda_d", "1", "more of it keeps directions to their own depth layer (difference of depth, squared)",
-      PITH_PARAM_DOUBLE, 0, 50, 1e6, offsetof(pith_smoothing_options, lambda_d), NULL },
+    { "lambda_d", "1", "more of it keeps directions to their own depth layer (depth steps per edge, squared)",
+      PITH_PARAM_DOUBLE, 0, 3, 1e6, offsetof(pith_smoothing_options, lambda_d), NULL },
     { "constraint_weight", "1", "more of it follows the strokes more exactly and less smoothly",
       PITH_PARAM_DOUBLE, 1e-3, 10, 1000, offsetof(pith_smoothing_options, constraint_weight), NULL },
     { "constraint_rows", "1", "how a point speaks for the corners of its tetrahedron",
@@ -44,8 +44,9 @@ struct pith_smoother {
    layers that do not know of each other would leave the system singular. */
 static const double least_share = 1e-3;
 
-/* Weights of `count` neighbours from their squared distances (in mean edge lengths) and squared differences of depth,
-   normalised. Exponents are taken relative to the largest weight, so that nothing underflows. */
+/* Weights of `count` neighbours from their squared distances (in mean edges) and squared differences of depth (in mean
+   differences along an edge), normalised. Exponents are taken relative to the largest weight, so that nothing
+   underflows. */
 static void share_out(const pith_smoothing_options *options, const double *r2, const double *d2, uint32_t count,
                       double *weights)
 {
@@ -89,56 +90,79 @@ static bool rows_allocate(size_t count, size_t entries, rows *r)
     return r->start && r->columns && r->values;
 }
 
+uint32_t most_neighbours(const adjacency *adjacent)
+{
+    uint32_t most = 0;
+    for (uint32_t v = 0; v < adjacent->vertex_count; ++v)
+        if (adjacent->start[v + 1] - adjacent->start[v] > most) most = adjacent->start[v + 1] - adjacent->start[v];
+    return most;
+}
+
+void neighbour_shares(const pith_tets_view *tets, const adjacency *adjacent, const double *depth,
+                      const pith_smoothing_options *options, uint32_t v, double *scratch, double *weights)
+{
+    const uint32_t first = adjacent->start[v], count = adjacent->start[v + 1] - first;
+    double *r2 = scratch, *d2 = scratch + count;
+    for (uint32_t k = 0; k < count; ++k) {
+        const uint32_t w = adjacent->neighbour[first + k];
+        r2[k] = square_distance(tets->positions[v], tets->positions[w]) / (adjacent->mean_edge * adjacent->mean_edge);
+        d2[k] = depth ? (depth[v] - depth[w]) * (depth[v] - depth[w]) * adjacent->per_step : 0.0;
+    }
+    share_out(options, r2, d2, count, weights);
+}
+
 /* Row i of L: 1 at i, -w_ij at its neighbours. */
 static pith_status laplacian_rows(const pith_tets_view *tets, const adjacency *adjacent, const double *depth,
                                   const pith_smoothing_options *options, rows *laplacian, pith_error *err)
 {
     const uint32_t n = tets->vertex_count;
-    uint32_t most = 0;
-    for (uint32_t v = 0; v < n; ++v)
-        if (adjacent->start[v + 1] - adjacent->start[v] > most) most = adjacent->start[v + 1] - adjacent->start[v];
-    double *scratch = pith_alloc(2 * (size_t)most, sizeof *scratch);
+    double *scratch = pith_alloc(2 * (size_t)most_neighbours(adjacent), sizeof *scratch);
     if (!scratch || !rows_allocate(n, (size_t)adjacent->start[n] + n, laplacian)) {
         pith_free(scratch);
         return PITH_OUT_OF_MEMORY(err, "the Laplacian");
     }
-    const double per_edge = 1.0 / (adjacent->mean_edge * adjacent->mean_edge);
     for (uint32_t v = 0; v < n; ++v) {
         const uint32_t first = adjacent->start[v], count = adjacent->start[v + 1] - first, at = first + v;
-        double *r2 = scratch, *d2 = scratch + most;
-        for (uint32_t k = 0; k < count; ++k) {
-            const uint32_t w = adjacent->neighbour[first + k];
-            r2[k] = square_distance(tets->positions[v], tets->positions[w]) * per_edge;
-            d2[k] = depth ? (depth[v] - depth[w]) * (depth[v] - depth[w]) : 0.0;
-            laplacian->columns[at + 1 + k] = w;
-        }
         laplacian->columns[at] = v;
         laplacian->values[at] = 1.0;
-        share_out(options, r2, d2, count, laplacian->values + at + 1);
-        for (uint32_t k = 0; k < count; ++k) laplacian->values[at + 1 + k] *= -1.0;
+        neighbour_shares(tets, adjacent, depth, options, v, scratch, laplacian->values + at + 1);
+        for (uint32_t k = 0; k < count; ++k) {
+            laplacian->columns[at + 1 + k] = adjacent->neighbour[first + k];
+            laplacian->values[at + 1 + k] *= -1.0;
+        }
         laplacian->start[v + 1] = at + 1 + count;
     }
     pith_free(scratch);
     return PITH_OK;
 }
 
+void corner_shares(const pith_tets_view *tets, const adjacency *adjacent, const double *depth,
+                   const pith_smoothing_options *options, pith_vec3 point, const uint32_t corner[4],
+                   const double bary[4], double weight[4])
+{
+    if (options->barycentric) {
+        memcpy(weight, bary, 4 * sizeof *weight);
+        return;
+    }
+    double r2[4], d2[4] = { 0 }, here = 0.0;
+    for (int k = 0; k < 4 && depth; ++k) here += bary[k] * depth[corner[k]];
+    for (int k = 0; k < 4; ++k) {
+        r2[k] = square_distance(point, tets->positions[corner[k]]) / (adjacent->mean_edge * adjacent->mean_edge);
+        if (depth) d2[k] = (here - depth[corner[k]]) * (here - depth[corner[k]]) * adjacent->per_step;
+    }
+    share_out(options, r2, d2, 4, weight);
+}
+
 /* Rows of the points, times the weight of constraints. */
-static void point_rows(const pith_tets_view *tets, const pith_locator *locator, const double *depth,
-                       const pith_vec3 *points, size_t count, const pith_smoothing_options *options, double mean_edge,
-                       uint32_t *tet, double (*bary)[4], rows *constrain)
+static void point_rows(const pith_tets_view *tets, const pith_locator *locator, const adjacency *adjacent,
+                       const double *depth, const pith_vec3 *points, size_t count,
+                       const pith_smoothing_options *options, uint32_t *tet, double (*bary)[4], rows *constrain)
 {
     pith_locator_find(locator, points, count, INFINITY, tet, bary);
-    const double per_edge = 1.0 / (mean_edge * mean_edge);
     for (size_t i = 0; i < count; ++i) {
         const uint32_t *corner = tets->tets[tet[i]];
-        double weight[4], r2[4], d2[4] = { 0 }, here = 0.0;
-        for (int k = 0; k < 4 && depth; ++k) here += bary[i][k] * depth[corner[k]];
-        for (int k = 0; k < 4; ++k) {
-            r2[k] = square_distance(points[i], tets->positions[corner[k]]) * per_edge;
-            if (depth) d2[k] = (here - depth[corner[k]]) * (here - depth[corner[k]]);
-        }
-        if (options->barycentric) memcpy(weight, bary[i], sizeof weight);
-        else share_out(options, r2, d2, 4, weight);
+        double weight[4];
+        corner_shares(tets, adjacent, depth, options, points[i], corner, bary[i], weight);
         for (int k = 0; k < 4; ++k) {
             constrain->columns[4 * i + (size_t)k] = corner[k];
             constrain->values[4 * i + (size_t)k] = options->constraint_weight * weight[k];
@@ -185,7 +209,7 @@ static pith_status constraint_rows(const pith_tets_view *tets, const pith_locato
         status = PITH_OUT_OF_MEMORY(err, "the constraint rows");
         goto done;
     }
-    point_rows(tets, locator, depth, points, count, options, adjacent->mean_edge, tet, bary, &of_points);
+    point_rows(tets, locator, adjacent, depth, points, count, options, tet, bary, &of_points);
     const uint32_t anchor_count = find_anchors(adjacent, &of_points, queue, reached, anchors);
     if (!rows_allocate(count + anchor_count, 4 * count + anchor_count, constrain)) {
         status = PITH_OUT_OF_MEMORY(err, "the constraint rows");
@@ -257,6 +281,7 @@ pith_status pith_smoother_create(const pith_tets *tets, const pith_locator *loca
         goto done;
     }
     PITH_TRY_OR(done, adjacency_make(&view, &adjacent, err));
+    measure_depth_steps(&adjacent, depth);
     PITH_TRY_OR(done, laplacian_rows(&view, &adjacent, depth, options, &laplacian, err));
     PITH_TRY_OR(done, constraint_rows(&view, locator, &adjacent, depth, points, point_count, options, &constrain, err));
     adjacency_free(&adjacent); /* the factor is the largest thing here: leave it the room */
