@@ -12,6 +12,7 @@ static const bench benches[] = {
     { "fields", "RBF solves and evaluation, Laplacian smoothing", bench_fields },
     { "render", "pictures of the shipped kiwi", bench_render },
     { "cut", "cuts and splits along planes and strokes, bodies", bench_cut },
+    { "blend", "contrast where patches overlap, and what keeping it costs", bench_blend },
     { "volume", "translucent pictures of a fibrous tube", bench_volume },
 };
 enum { BENCH_COUNT = sizeof benches / sizeof *benches };

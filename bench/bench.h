@@ -13,7 +13,7 @@ typedef struct bench_options {
 
 /* Appends cases {"name": …, measures…} to the list. */
 typedef pith_status bench_run(const bench_options *options, json_t *cases, pith_error *err);
-bench_run bench_lapped, bench_fields, bench_render, bench_volume, bench_cut;
+bench_run bench_lapped, bench_fields, bench_render, bench_volume, bench_cut, bench_blend;
 
 /* Times of repeated runs. */
 typedef struct bench_times { double seconds[64]; int count; } bench_times;

@@ -30,35 +30,62 @@ static pith_status load_changed(const char *path, int tetrahedra, int detail, pi
 
 /* ---- cutting ------------------------------------------------------------------------------------------------------------- */
 
+/* Cuts one body along a plane; adds the time it took, and says how far the volumes of the sides miss the whole. */
+static pith_status cut_body(const pith_part *whole, const pith_plane *plane, double *seconds, double *error,
+                            pith_error *err)
+{
+    double *values = pith_alloc(pith_part_look(whole).vertex_count, sizeof *values);
+    if (!values) return pith_fail(err, PITH_NO_MEMORY, "out of memory for a cut");
+    pith_shell *sides[2] = { NULL, NULL };
+    const double start = pith_seconds();
+    pith_status status = pith_part_plane_values(whole, plane, values, err);
+    if (status == PITH_OK) status = pith_part_cut(whole, values, &sides[0], &sides[1], err);
+    *seconds += pith_seconds() - start;
+    if (status == PITH_OK) {
+        double a, b;
+        pith_shell_measure(sides[0], NULL, NULL, &a);
+        pith_shell_measure(sides[1], NULL, NULL, &b);
+        *error = fmax(*error, fabs((a + b) / pith_part_volume(whole) - 1.0));
+    }
+    pith_shell_destroy(sides[0]);
+    pith_shell_destroy(sides[1]);
+    pith_free(values);
+    return status;
+}
+
+/* Every body of the model as a part; [MOST_BODIES]. */
+enum { MOST_BODIES = 32 };
+static pith_status parts_of(pith_model *model, const pith_part **parts, size_t *count, pith_box *box, pith_error *err)
+{
+    *count = pith_model_bodies(model);
+    *box = pith_box_empty();
+    if (*count > MOST_BODIES) return pith_fail(err, PITH_BAD_ARGUMENT, "more than %d bodies", MOST_BODIES);
+    for (size_t b = 0; b < *count; ++b) {
+        pith_model *body;
+        PITH_TRY(pith_model_body(model, b, &body, err));
+        PITH_TRY(pith_model_part(body, &parts[b], err));
+        const pith_part_view view = pith_part_look(parts[b]);
+        for (uint32_t v = 0; v < view.vertex_count; ++v) pith_box_add(box, view.positions[v]);
+    }
+    return PITH_OK;
+}
+
 static pith_status measure_cuts(pith_model *model, json_t *row, pith_error *err)
 {
-    const pith_part *whole;
-    PITH_TRY(pith_model_part(model, &whole, err));
-    const pith_part_view view = pith_part_look(whole);
-    const pith_box box = pith_box_of(view.positions, view.vertex_count);
-    double *values = pith_alloc(view.vertex_count, sizeof *values);
-    if (!values) return pith_fail(err, PITH_NO_MEMORY, "out of memory for a cut");
+    const pith_part *parts[MOST_BODIES];
+    size_t count;
+    pith_box box;
+    PITH_TRY(parts_of(model, parts, &count, &box, err));
     pith_rng rng = pith_rng_make(1, 0);
     bench_times times = { .count = 0 };
     double worst = 0;
     pith_status status = PITH_OK;
     for (int i = 0; status == PITH_OK && i <= CUT_COUNT; ++i) { /* the first warms up */
         const pith_plane plane = { pith_lerp(box.low, box.high, 0.4 + 0.2 * pith_rng_unit(&rng)), pith_rng_direction(&rng) };
-        pith_shell *sides[2] = { NULL, NULL };
-        const double start = pith_seconds();
-        status = pith_part_plane_values(whole, &plane, values, err);
-        if (status == PITH_OK) status = pith_part_cut(whole, values, &sides[0], &sides[1], err);
-        if (i > 0) bench_add(&times, pith_seconds() - start);
-        if (status == PITH_OK) {
-            double a, b;
-            pith_shell_measure(sides[0], NULL, NULL, &a);
-            pith_shell_measure(sides[1], NULL, NULL, &b);
-            worst = fmax(worst, fabs((a + b) / pith_part_volume(whole) - 1.0));
-        }
-        pith_shell_destroy(sides[0]);
-        pith_shell_destroy(sides[1]);
+        double seconds = 0;
+        for (size_t b = 0; status == PITH_OK && b < count; ++b) status = cut_body(parts[b], &plane, &seconds, &worst, err);
+        if (i > 0) bench_add(&times, seconds);
     }
-    pith_free(values);
     json_object_set_new(row, "cut_min_ms", json_real(1e3 * bench_min(&times)));
     json_object_set_new(row, "cut_median_ms", json_real(1e3 * bench_median(&times)));
     json_object_set_new(row, "cut_volume_error_relative", json_real(worst));
@@ -101,10 +128,27 @@ static pith_status time_samples(const pith_solid *solid, const pith_query *query
     return PITH_OK;
 }
 
-static pith_status measure_samples(pith_model *model, const bench_options *options, json_t *row, pith_error *err)
+/* The body with the most tets. */
+static pith_status largest_body(pith_model *model, pith_model **largest, pith_error *err)
+{
+    uint32_t most = 0;
+    for (size_t b = 0; b < pith_model_bodies(model); ++b) {
+        pith_model *body;
+        const pith_tets *tets;
+        PITH_TRY(pith_model_body(model, b, &body, err));
+        PITH_TRY(pith_model_tets(body, &tets, NULL, err));
+        const uint32_t count = pith_tets_look(tets).tet_count;
+        if (count > most) most = count, *largest = body;
+    }
+    return PITH_OK;
+}
+
+static pith_status measure_samples(pith_model *whole, const bench_options *options, json_t *row, pith_error *err)
 {
     const pith_solid *solid;
     const pith_tets *tets;
+    pith_model *model = whole;
+    PITH_TRY(largest_body(whole, &model, err));
     PITH_TRY(pith_model_solid(model, &solid, err));
     PITH_TRY(pith_model_tets(model, &tets, NULL, err));
     const pith_tets_view view = pith_tets_look(tets);
@@ -154,7 +198,12 @@ static pith_status build(const pith_document *document, const char *saved, int r
         remove(saved);
         const pith_model_options options = { .cache = true, .cache_file = saved };
         PITH_TRY(pith_model_create(document, &options, NULL, &made, err));
-        const pith_status status = pith_model_solid(made, NULL, err);
+        pith_status status = PITH_OK;
+        for (size_t b = 0; status == PITH_OK && b < pith_model_bodies(made); ++b) {
+            pith_model *body;
+            status = pith_model_body(made, b, &body, err);
+            if (status == PITH_OK) status = pith_model_solid(body, NULL, err);
+        }
         if (status != PITH_OK) {
             pith_model_destroy(made);
             return status;
@@ -167,6 +216,31 @@ static pith_status build(const pith_document *document, const char *saved, int r
     json_object_set_new(row, "fill_median_s", json_real(bench_median(&times[3])));
     json_object_set_new(row, "saved_bytes", json_integer((json_int_t)pith_model_saved_size(made)));
     *model = made;
+    return PITH_OK;
+}
+
+/* Tets and patches of all bodies, and how well the patches follow their fields, by tets. */
+static pith_status report_fill(pith_model *model, json_t *row, pith_error *err)
+{
+    double tets = 0, patches = 0, overlap = 0, mean = 0, most = 0;
+    for (size_t b = 0; b < pith_model_bodies(model); ++b) {
+        pith_model *body;
+        const pith_tets_report *mesh;
+        PITH_TRY(pith_model_body(model, b, &body, err));
+        PITH_TRY(pith_model_tets(body, NULL, &mesh, err));
+        tets += mesh->tetrahedra;
+        const pith_lapped_report *fill = pith_model_fill_report(body);
+        if (!fill) continue;
+        patches += fill->patches;
+        overlap += fill->overlap * mesh->tetrahedra;
+        mean += fill->angle_mean * mesh->tetrahedra;
+        most = fmax(most, fill->angle_95);
+    }
+    json_object_set_new(row, "tets", json_integer((json_int_t)tets));
+    json_object_set_new(row, "patches", json_integer((json_int_t)patches));
+    json_object_set_new(row, "overlap", json_real(overlap / tets));
+    json_object_set_new(row, "angle_mean_degrees", json_real(mean / tets));
+    json_object_set_new(row, "angle_95_degrees", json_real(most));
     return PITH_OK;
 }
 
@@ -184,17 +258,10 @@ static pith_status run_case(const char *name, const char *path, int tetrahedra, 
     pith_status status = build(document, saved, repeats, &model, row, err);
     if (status == PITH_OK) {
         const double peak = bench_peak();
-        const pith_tets_report *tets;
-        const pith_lapped_report *fill = pith_model_fill_report(model);
-        pith_model_tets(model, NULL, &tets, NULL);
-        json_object_set_new(row, "tets", json_integer(tets->tetrahedra));
-        json_object_set_new(row, "patches", json_integer(fill ? fill->patches : 0));
-        json_object_set_new(row, "overlap", json_real(fill ? fill->overlap : 0));
-        json_object_set_new(row, "angle_mean_degrees", json_real(fill ? fill->angle_mean : 0));
-        json_object_set_new(row, "angle_95_degrees", json_real(fill ? fill->angle_95 : 0));
+        status = report_fill(model, row, err);
         json_object_set_new(row, "peak_memory_bytes", json_real(peak));
-        status = measure_cuts(model, row, err);
     }
+    if (status == PITH_OK) status = measure_cuts(model, row, err);
     if (status == PITH_OK) status = measure_samples(model, options, row, err);
     pith_model_destroy(model);
     pith_document_destroy(document);
@@ -206,7 +273,7 @@ static pith_status run_case(const char *name, const char *path, int tetrahedra, 
 
 pith_status bench_lapped(const bench_options *options, json_t *cases, pith_error *err)
 {
-    static const char *const models[] = { "kiwi", "carrot", "tree", "watermelon", "kiwi_bunny" };
+    static const char *const models[] = { "kiwi", "carrot", "tree", "watermelon", "tube", "strata", "cake", "kiwi_bunny" };
     /* The fruit's surface gets finer with its inside, so that tets stay of one size. */
     static const struct { int tetrahedra, detail; } curve[] = {
         { 5000, 3 }, { 20000, 4 }, { 50000, 4 }, { 100000, 5 }, { 200000, 5 }, { 500000, 6 },

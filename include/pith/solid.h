@@ -127,10 +127,14 @@ pith_status pith_lapped_paste(const pith_solid *solid, const pith_paste *pastes,
 pith_status pith_lapped_texture(const pith_solid *solid, const pith_query *query, double (*rst)[3], uint32_t *patch,
                                 pith_error *err);
 
-/** The contrast that blending leaves: standard deviation of luminance about the mean of its layer of depth, over random
- *  points where one patch has more than 99 % of the colour, and over those where none has more than 75 %. Equal when
- *  nothing is lost. For tests and measurement. */
-pith_status pith_lapped_contrast(const pith_solid *solid, size_t samples, uint64_t seed, double *alone, double *overlap,
+/** The contrast that blending leaves, over random points: standard deviation of luminance about the mean of its layer of
+ *  depth, where one patch has more than 99 % of the colour and where none has more than 75 %. Equal when nothing is lost.
+ *  For tests and measurement. */
+typedef struct pith_contrast {
+    double alone, overlap;  /* linear luminance */
+    double overlap_share;   /* of the points that are of the second kind */
+} pith_contrast;
+pith_status pith_lapped_contrast(const pith_solid *solid, size_t samples, uint64_t seed, pith_contrast *contrast,
                                  pith_error *err);
 
 /** The patches as bytes (pastes, exemplar and mesh not included), for the cache; free with pith_free. */

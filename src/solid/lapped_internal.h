@@ -76,8 +76,9 @@ static inline float lapped_mask_alpha(const lapped_mask *mask, float r, float s,
     return value >= 255.0f ? 1.0f : value * (1.0f / 255.0f);
 }
 
-/* A patch's own mask, where it was cut to fit: a bit for each cell of 32³, 1 where the patch lies. Alpha is the trilinear
-   mix of the bits, so a seam is as wide as a cell. The cells at the border of r and t are 0. */
+/* A patch's own mask, where it was cut to fit: a bit for each cell of 32³, 1 where the patch lies. Alpha comes from the
+   trilinear mix of the bits, falling over the middle half of it: a seam is half a cell wide. The cells at the border of r
+   and t are 0. */
 enum { CUT_SIZE = 32 };
 typedef struct lapped_cut { uint32_t rows[CUT_SIZE][CUT_SIZE]; } lapped_cut; /* [t][s], bit r */
 
@@ -99,8 +100,8 @@ static inline float lapped_cut_alpha(const lapped_cut *cut, float r, float s, fl
     static const float ends[4][2] = { { 0, 0 }, { 1, -1 }, { 0, 1 }, { 1, 0 } }; /* value at the left bit, and slope */
     const float p = ends[a][0] + x * ends[a][1], q = ends[b][0] + x * ends[b][1];
     const float u = ends[c][0] + x * ends[c][1], v = ends[d][0] + x * ends[d][1];
-    const float near = p + y * (q - p), far = u + y * (v - u);
-    return near + z * (far - near);
+    const float near = p + y * (q - p), far = u + y * (v - u), alpha = 2.0f * (near + z * (far - near)) - 0.5f;
+    return alpha < 0.0f ? 0.0f : alpha > 1.0f ? 1.0f : alpha;
 }
 lapped_verdict lapped_cut_over(const lapped_cut *cut, const double low[3], const double high[3]);
 

@@ -217,14 +217,15 @@ static double deviation(const layer_sums *sums)
     return count > 0.0 ? sqrt(fmax(0.0, within / count)) : 0.0;
 }
 
-pith_status pith_lapped_contrast(const pith_solid *solid, size_t samples, uint64_t seed, double *alone, double *overlap,
+pith_status pith_lapped_contrast(const pith_solid *solid, size_t samples, uint64_t seed, pith_contrast *contrast,
                                  pith_error *err)
 {
-    if (!solid || solid->class != &lapped_class || !alone || !overlap)
-        return pith_fail(err, PITH_BAD_ARGUMENT, "pith_lapped_contrast: expected a lapped solid and room for two results");
+    if (!solid || solid->class != &lapped_class || !contrast)
+        return pith_fail(err, PITH_BAD_ARGUMENT, "pith_lapped_contrast: expected a lapped solid and room for the result");
     const lapped_solid *self = (const lapped_solid *)solid;
     pith_rng rng = pith_rng_make(seed, 7);
     layer_sums single = { 0 }, mixed = { 0 };
+    size_t overlaps = 0;
     for (size_t i = 0; i < samples; ++i) {
         const uint32_t tet = pith_rng_below(&rng, self->tets.tet_count);
         double weights[4], total = 0.0;
@@ -233,6 +234,7 @@ pith_status pith_lapped_contrast(const pith_solid *solid, size_t samples, uint64
         const float w[4] = { (float)weights[0], (float)weights[1], (float)weights[2], (float)weights[3] };
         const float depth = depth_at(self, tet, weights), share = greatest_share(self, tet, w, depth);
         layer_sums *sums = share > 0.99f ? &single : share < 0.75f ? &mixed : NULL;
+        overlaps += sums == &mixed;
         if (!sums) continue;
         float colour[LAPPED_CHANNELS];
         compose(self, tet, weights, colour);
@@ -242,8 +244,7 @@ pith_status pith_lapped_contrast(const pith_solid *solid, size_t samples, uint64
         sums->sum[layer] += light;
         sums->squares[layer] += light * light;
     }
-    *alone = deviation(&single);
-    *overlap = deviation(&mixed);
+    *contrast = (pith_contrast){ deviation(&single), deviation(&mixed), samples ? (double)overlaps / (double)samples : 0 };
     return PITH_OK;
 }
 

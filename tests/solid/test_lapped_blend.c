@@ -83,9 +83,10 @@ static void test_contrast_where_patches_overlap(void **state)
         double ratio[2];
         for (uint32_t blend = PITH_BLEND_AVERAGE; blend <= PITH_BLEND_VARIANCE; ++blend) {
             pith_solid *solid = fill(&m, exemplar, types[i], blend, scale);
-            double alone = NAN, overlap = NAN;
-            CHECK_OK(pith_lapped_contrast(solid, 200000, 3, &alone, &overlap, &err));
-            ratio[blend] = overlap / alone;
+            pith_contrast contrast = { NAN, NAN, NAN };
+            CHECK_OK(pith_lapped_contrast(solid, 200000, 3, &contrast, &err));
+            ratio[blend] = contrast.overlap / contrast.alone;
+            CHECK_NEAR(contrast.overlap_share, 0.4, 0.25);
             pith_solid_destroy(solid);
         }
         /* Two independent patches with weights w and 1 - w, w in ½..¾, average to √(w² + (1-w)²) = 0.71 .. 0.79; three
