@@ -155,12 +155,14 @@ pith_status pith_tangent_field_create(const pith_mesh *mesh, const pith_tangent_
                                       pith_tangent_field **field, pith_error *err);
 void pith_tangent_field_destroy(pith_tangent_field *field);
 /** The field for these strokes (all of them; those that are as in the last call cost nothing again). Every small segment
- *  of a stroke gives its unit direction to the nearest vertex of the triangle nearest to it; each component of the vectors is smoothed, the
- *  result projected to the tangent plane and brought to unit length. vectors [vertex_count]. What smoothing leaves
- *  without direction gets that of its neighbours; a component of the surface without any stroke gets zero vectors.
+ *  of a stroke gives its unit direction to a vertex: of the triangle nearest to it the nearest corner. Each component of
+ *  the vectors is smoothed, the result projected to the tangent plane and brought to unit length. vectors
+ *  [vertex_count]. What smoothing leaves without direction gets that of its neighbours, where they have none a random one
+ *  from the seed; a component of the surface without any stroke gets zero vectors.
  *  PITH_BAD_ARGUMENT, naming the stroke: no length, not finite, farther from the surface than a hundredth of the
- *  diagonal, everywhere along the normal (nothing tangent is left), two strokes that contradict each other (opposite
- *  directions at the same vertex). One stroke more on 100 000 triangles: under 100 ms. */
+ *  diagonal, everywhere along the normal (nothing tangent is left), running back over itself all along, two strokes that
+ *  contradict each other (opposite directions at the same vertex). One stroke more of 60 segments (120 edges by default)
+ *  on 100 000 triangles: under 100 ms. */
 pith_status pith_tangent_field_solve(pith_tangent_field *field, const pith_stroke *strokes, size_t count,
                                      pith_vec3 *vectors, pith_error *err);
 

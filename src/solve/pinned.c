@@ -201,14 +201,15 @@ pith_status pith_pinned_change(pith_pinned *system, const double *pins, pith_err
     return PITH_OK;
 }
 
-/* right = pins b - (SᵀS + pins) x for one right-hand side; scratch [rows of smooth]. Returns the square of its length. */
+/* right = pins b - (SᵀS + pins) x for one right-hand side, x NULL for zeros; scratch [rows of smooth]. Returns the square
+   of its length. */
 static double residual_of(const pith_pinned *system, const double *b, const double *x, double *scratch, double *right)
 {
     const sparse *smooth = &system->smooth;
-    sparse_multiply(smooth, 0, smooth->rows, 1, x, scratch, false);
     for (uint32_t i = 0; i < smooth->columns; ++i)
-        right[i] = system->pins[i] > 0.0 ? system->pins[i] * (b[i] - x[i]) : 0.0;
-    for (uint32_t row = 0; row < smooth->rows; ++row)
+        right[i] = system->pins[i] > 0.0 ? system->pins[i] * (x ? b[i] - x[i] : b[i]) : 0.0;
+    if (x) sparse_multiply(smooth, 0, smooth->rows, 1, x, scratch, false);
+    for (uint32_t row = 0; x && row < smooth->rows; ++row)
         for (uint32_t e = smooth->start[row]; e < smooth->start[row + 1]; ++e)
             right[smooth->column[e]] -= smooth->value[e] * scratch[row];
     double square = 0.0;
@@ -226,7 +227,8 @@ static pith_status refine(pith_pinned *system, const double *b, uint32_t count, 
     memset(x, 0, n * count * sizeof *x);
     for (int round = 0; round < MOST_ROUNDS; ++round) {
         square = 0.0;
-        for (uint32_t k = 0; k < count; ++k) square += residual_of(system, b + k * n, x + k * n, scratch, right + k * n);
+        for (uint32_t k = 0; k < count; ++k)
+            square += residual_of(system, b + k * n, round > 0 ? x + k * n : NULL, scratch, right + k * n);
         if (round == 0) first = square;
         if (square <= small_residual * small_residual * first || !(square < 0.1 * before)) break;
         before = square;
