@@ -17,8 +17,18 @@ typedef enum cli_kind {
     CLI_TEXT,       /* const char * */
     CLI_NUMBER,     /* double, lowest..highest */
     CLI_WHOLE,      /* int, lowest..highest */
-    CLI_PLANE       /* pith_plane: "px,py,pz,nx,ny,nz" */
+    CLI_POINT,      /* pith_vec3: "x,y,z" */
+    CLI_PLANE,      /* pith_plane: "px,py,pz,nx,ny,nz" */
+    CLI_STROKE,     /* cli_stroke: "ex,ey,ez;x,y,z;x,y,z;…" */
+    CLI_TEXTS,      /* cli_texts: the flag may be given several times */
+    CLI_NUMBERS     /* cli_numbers, lowest..highest: the same */
 } cli_kind;
+
+enum { CLI_MOST_OF_A_KIND = 8, CLI_MOST_POINTS = 1000 };
+typedef struct cli_texts { const char *items[CLI_MOST_OF_A_KIND]; int count; } cli_texts;
+typedef struct cli_numbers { double items[CLI_MOST_OF_A_KIND]; int count; } cli_numbers;
+/* A cut as it was drawn: where from, and its points. */
+typedef struct cli_stroke { pith_vec3 eye, points[CLI_MOST_POINTS]; size_t count; } cli_stroke;
 
 typedef struct cli_flag {
     const char *name;       /* without the dashes */
@@ -31,7 +41,7 @@ typedef struct cli_flag {
     bool *given;            /* set when the flag was given; may be NULL */
 } cli_flag;
 
-enum { CLI_MOST_WORDS = 3, CLI_MOST_PARAMS = 64 };
+enum { CLI_MOST_WORDS = 3, CLI_MOST_TABLES = 3, CLI_MOST_PARAMS = 64 };
 
 /* A verb's command line: what it takes, and after cli_parse what it got. */
 typedef struct cli_line {
@@ -41,20 +51,23 @@ typedef struct cli_line {
     int least_words, most_words;
     const cli_flag *flags;
     size_t flag_count;
-    const pith_params *params;  /* every option of this table is a flag too; may be NULL */
+    const pith_params *tables[CLI_MOST_TABLES]; /* every option of these is a flag too; one that several tables have is
+                                                   a flag of all of them */
     const char *word[CLI_MOST_WORDS];
     int word_count;
-    double param_value[CLI_MOST_PARAMS];
-    bool param_given[CLI_MOST_PARAMS];
+    double param_value[CLI_MOST_TABLES][CLI_MOST_PARAMS];
+    bool param_given[CLI_MOST_TABLES][CLI_MOST_PARAMS];
 } cli_line;
 
 /* Reads the arguments behind the verb. CLI_GO_ON, or the code to exit with (help was printed, or the usage is wrong). */
 int cli_parse(cli_line *line, int argc, char **argv);
-/* Writes the params given on the command line over those in options. */
-void cli_apply_params(const cli_line *line, void *options);
+/* Writes what was given of one of the line's tables over what is in its options. */
+void cli_apply_params(const cli_line *line, const pith_params *table, void *options);
+/* The flag of an option that was given and that only this table has, written "--name"; NULL when there is none. */
+const char *cli_only_of(const cli_line *line, const pith_params *table);
 
 /* Flags that every verb with a model has. */
-typedef struct cli_model_flags { bool json, no_cache; int threads; } cli_model_flags;
+typedef struct cli_model_flags { bool json, no_cache, no_displacement; int threads; } cli_model_flags;
 #define CLI_JSON_FLAG(f) { "json", 0, CLI_SWITCH, &(f).json, NULL, "report as JSON on the standard output", 0, 0, NULL }
 #define CLI_THREADS_FLAG(f)                                                                                            \
     { "threads", 0, CLI_WHOLE, &(f).threads, "N", "threads to use; the result does not depend on it", 1, 256, NULL }
@@ -70,6 +83,44 @@ typedef struct cli_model { pith_document *document; pith_model *model; } cli_mod
 int cli_open(const char *verb, const char *path, const cli_model_flags *flags, cli_model *opened);
 /* Prints the model's notes, destroys both. */
 void cli_close(cli_model *opened);
+/* The body of this name; without a name (NULL) the only one. Prints the names there are when that does not work out:
+   CLI_GO_ON, or an exit code. */
+int cli_choose_body(const char *verb, const cli_model *opened, const char *name, pith_model **body);
+/* Which body is made of this solid. */
+size_t cli_body_of_solid(const cli_model *opened, const pith_solid *solid);
+
+/* ---- views: where pictures are taken from, where models are cut ---------------------------------------------------------- */
+
+typedef struct cli_camera {
+    pith_vec3 eye, target, up, direction;
+    double field_of_view;
+    bool has_eye, has_target, has_up, has_direction, has_field_of_view;
+} cli_camera;
+#define CLI_CAMERA_FLAGS(c)                                                                                            \
+    { "eye", 0, CLI_POINT, &(c).eye, "X,Y,Z", "where the camera stands", 0, 0, &(c).has_eye },                         \
+    { "target", 0, CLI_POINT, &(c).target, "X,Y,Z", "what it looks at; default: the middle, or the document's", 0, 0,  \
+      &(c).has_target },                                                                                               \
+    { "up", 0, CLI_POINT, &(c).up, "X,Y,Z", "what is upright in the picture", 0, 0, &(c).has_up },                     \
+    { "direction", 0, CLI_POINT, &(c).direction, "X,Y,Z", "instead of --eye: everything is seen, from this side", 0, 0,\
+      &(c).has_direction },                                                                                            \
+    { "field-of-view", 0, CLI_NUMBER, &(c).field_of_view, "DEGREES", "vertical; more sees more from nearer by", 0.1,   \
+      170, &(c).has_field_of_view }
+/* Do the flags go together? CLI_GO_ON, or prints why not. */
+int cli_check_camera(const char *verb, const cli_camera *flags);
+/* The document's camera with the flags over it, fitted round the box where it is to be fitted. */
+pith_camera cli_place_camera(const cli_camera *flags, const pith_document *document, const pith_box *box, double aspect);
+
+/* A cut given on the command line, instead of the document's. The verb's line has the table pith_cut_step_params. */
+typedef struct cli_cut { pith_plane plane; cli_stroke stroke; bool has_plane, has_stroke; } cli_cut;
+#define CLI_CUT_FLAGS(c)                                                                                               \
+    { "plane", 0, CLI_PLANE, &(c).plane, "PX,..,NZ", "cut here (point and normal) instead of where the document says", 0, \
+      0, &(c).has_plane },                                                                                             \
+    { "stroke", 0, CLI_STROKE, &(c).stroke, "E;P;P..", "the same along a stroke: \"ex,ey,ez;x,y,z;x,y,z;…\", as seen from e", \
+      0, 0, &(c).has_stroke }
+/* CLI_GO_ON, or prints what does not go together. */
+int cli_check_cut(const cli_line *line, const cli_cut *flags);
+/* Cuts the model as the flags say, when they do. */
+pith_status cli_apply_cut(const cli_line *line, const cli_cut *flags, pith_model *model, pith_error *err);
 
 /* ---- reporting -------------------------------------------------------------------------------------------------------- */
 
@@ -98,10 +149,12 @@ bool cli_find_example(const char *name, char *path, size_t capacity);
 int verb_new(int argc, char **argv);
 int verb_info(int argc, char **argv);
 int verb_validate(int argc, char **argv);
+int verb_apply(int argc, char **argv);
 int verb_fill(int argc, char **argv);
 int verb_sample(int argc, char **argv);
 int verb_cut(int argc, char **argv);
 int verb_render(int argc, char **argv);
+int verb_field(int argc, char **argv);
 int verb_bake(int argc, char **argv);
 int verb_exemplar(int argc, char **argv);
 int verb_demo(int argc, char **argv);

@@ -2,6 +2,7 @@
 #include "cli.h"
 
 #include <cblas.h>
+#include <stdlib.h>
 #include <string.h>
 #include <zstd.h>
 
@@ -14,6 +15,7 @@ static const verb verbs[] = {
     { "new", "start a document: from a template, or for a mesh", verb_new },
     { "info", "say what a mesh, a tetrahedral mesh or a document is like", verb_info },
     { "validate", "check a document; print its schema or its keys", verb_validate },
+    { "apply", "edit a document: paint, draw, paste, cut, set", verb_apply },
     { "fill", "build the model a document describes, and save it", verb_fill },
     { "sample", "colours at points: lines in, lines out", verb_sample },
     { "cut", "cut the model and write the halves as coloured meshes", verb_cut },
@@ -41,6 +43,18 @@ static int print_version(void)
     return cli_finish_output("version");
 }
 
+/* A number of threads that is none would be passed over in silence. */
+static void check_threads(void)
+{
+    const char *text = getenv("PITH_THREADS");
+    char *end;
+    const double threads = text ? strtod(text, &end) : 1;
+    if (!text || !text[0] || (end != text && *end == 0 && threads >= 1 && threads <= 256 && threads == floor(threads)))
+        return;
+    fprintf(stderr, "pith: PITH_THREADS is \"%s\", expected a whole number from 1 to 256; going on with %d threads\n",
+            text, pith_threads());
+}
+
 int main(int argc, char **argv)
 {
     if (argc < 2) {
@@ -51,6 +65,7 @@ int main(int argc, char **argv)
         return print_help();
     if (strcmp(argv[1], "--version") == 0) return print_version();
 
+    check_threads();
     const char *names[VERB_COUNT + 1] = { NULL };
     for (int i = 0; i < VERB_COUNT; ++i) {
         if (strcmp(argv[1], verbs[i].name) == 0) return verbs[i].run(argc - 2, argv + 2);

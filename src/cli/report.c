@@ -79,12 +79,33 @@ json_t *cli_point_json(pith_vec3 point) { return json_pack("[fff]", point.x, poi
 
 /* ---- models --------------------------------------------------------------------------------------------------------------- */
 
+/* The document without its "displacement"; every body's when there are several. */
+static pith_status load_flat(const char *path, pith_document **document, pith_error *err)
+{
+    unsigned char *text = NULL;
+    size_t size, i;
+    PITH_TRY(pith_file_read(path, &text, &size, err));
+    json_t *root = json_loadb((const char *)text, size, JSON_REJECT_DUPLICATES, NULL), *body;
+    json_object_del(root, "displacement");
+    json_array_foreach(json_object_get(root, "bodies"), i, body) json_object_del(body, "displacement");
+    char *flat = root ? json_dumps(root, 0) : NULL;
+    /* What is no JSON is explained by the document's own reader. */
+    const pith_status status = pith_document_parse(path, flat ? flat : (const char *)text, flat ? strlen(flat) : size,
+                                                   document, err);
+    free(flat);
+    json_decref(root);
+    pith_free(text);
+    return status;
+}
+
 int cli_open(const char *verb, const char *path, const cli_model_flags *flags, cli_model *opened)
 {
     pith_error err;
     if (flags->threads > 0) pith_threads_set(flags->threads);
     memset(opened, 0, sizeof *opened);
-    if (pith_document_load(path, &opened->document, &err) != PITH_OK) return cli_fail(verb, &err);
+    const pith_status loaded = flags->no_displacement ? load_flat(path, &opened->document, &err)
+                                                      : pith_document_load(path, &opened->document, &err);
+    if (loaded != PITH_OK) return cli_fail(verb, &err);
     const pith_model_options options = { .cache = !flags->no_cache };
     if (pith_model_create(opened->document, &options, cli_progress(), &opened->model, &err) == PITH_OK) return CLI_GO_ON;
     pith_document_destroy(opened->document);

@@ -1,65 +1,135 @@
-/* pith render: a picture of the cut model. */
+/* pith render: a picture of the cut model, of its surfaces or through it. */
 #include "cli.h"
 
-static pith_status run(const cli_model *opened, const cli_line *line, const char *out, pith_error *err)
+typedef struct render_flags {
+    const char *out;
+    cli_camera camera;
+    cli_cut cut;
+    bool volume, surface;
+} render_flags;
+
+static pith_status write_picture(pith_image *image, const char *out, pith_error *err)
 {
-    pith_camera camera;
-    pith_render_options options;
-    const pith_render_item *items;
-    size_t count;
-    PITH_TRY(pith_model_items(opened->model, &items, &count, err));
-    PITH_TRY(pith_model_view(opened->model, &camera, &options, err));
-    cli_apply_params(line, &options);
-    /* A fitted camera depends on the picture's shape, which a flag may have changed. */
-    PITH_TRY(pith_model_camera(opened->model, (double)options.width / options.height, &camera, err));
-    pith_image *image = NULL;
-    PITH_TRY(pith_render(items, count, &camera, &options, cli_progress(), &image, err));
     const pith_status status = pith_image_write(image, out, 92, err);
     pith_image_destroy(image);
     return status;
 }
 
+static pith_status nothing_left(const cli_model *opened, pith_error *err)
+{
+    return pith_fail(err, PITH_BAD_ARGUMENT, "%s: the cuts leave nothing of the model to look at",
+                     pith_document_title(opened->document));
+}
+
+static pith_status render_surface(const cli_model *opened, const cli_line *line, const render_flags *asked,
+                                  pith_error *err)
+{
+    pith_render_options options;
+    const pith_render_item *items;
+    size_t count;
+    PITH_TRY(pith_model_items(opened->model, &items, &count, err));
+    if (count == 0) return nothing_left(opened, err);
+    PITH_TRY(pith_model_view(opened->model, &(pith_camera){ 0 }, &options, err));
+    cli_apply_params(line, &pith_render_params, &options);
+    pith_box box = pith_box_empty();
+    for (size_t i = 0; i < count; ++i) {
+        const pith_shell_view shell = pith_shell_look(items[i].shell);
+        for (uint32_t v = 0; v < shell.vertex_count; ++v)
+            pith_box_add(&box, pith_add(shell.positions[v], items[i].offset));
+    }
+    const double aspect = (double)options.width / options.height;
+    const pith_camera camera = cli_place_camera(&asked->camera, opened->document, &box, aspect);
+    pith_image *image = NULL;
+    PITH_TRY(pith_render(items, count, &camera, &options, cli_progress(), &image, err));
+    return write_picture(image, asked->out, err);
+}
+
+static pith_status render_volume(const cli_model *opened, const cli_line *line, const render_flags *asked,
+                                 pith_error *err)
+{
+    pith_volume_options options;
+    const pith_volume_item *items;
+    const pith_transfer_point *transfer;
+    size_t count, transfer_count;
+    PITH_TRY(pith_model_volume_items(opened->model, &items, &count, err));
+    if (count == 0) return nothing_left(opened, err);
+    PITH_TRY(pith_model_volume_view(opened->model, &(pith_camera){ 0 }, &options, &transfer, &transfer_count, err));
+    cli_apply_params(line, &pith_volume_params, &options);
+    pith_box box = pith_box_empty();
+    for (size_t i = 0; i < count; ++i) {
+        const pith_part_view part = pith_part_look(items[i].part);
+        for (uint32_t v = 0; v < part.vertex_count; ++v)
+            pith_box_add(&box, pith_add(part.positions[v], items[i].offset));
+    }
+    const double aspect = (double)options.width / options.height;
+    const pith_camera camera = cli_place_camera(&asked->camera, opened->document, &box, aspect);
+    pith_image *image = NULL;
+    PITH_TRY(pith_render_volume(items, count, &camera, &options, transfer, transfer_count, cli_progress(), &image, err));
+    return write_picture(image, asked->out, err);
+}
+
+/* Flags of the kind of picture that is not made would change nothing without a word. */
+static int check_kind(const cli_line *line, bool through)
+{
+    const char *other = cli_only_of(line, through ? &pith_render_params : &pith_volume_params);
+    if (!other) return CLI_GO_ON;
+    return through ? cli_misuse("render", "%s is of pictures of surfaces, and the document is translucent; --surface makes "
+                                "one", other)
+                   : cli_misuse("render", "%s is of translucent pictures, and the document is not; --volume makes one",
+                                other);
+}
+
+static int check_flags(const cli_line *line, const render_flags *asked)
+{
+    const char *out = asked->out;
+    if (!out || !(pith_path_has_extension(out, "png") || pith_path_has_extension(out, "jpg") ||
+                  pith_path_has_extension(out, "jpeg")))
+        return cli_misuse("render", "expected -o FILE ending in .png or .jpg%s%s", out ? ", got " : "", out ? out : "");
+    if (asked->volume && asked->surface) return cli_misuse("render", "--volume and --surface exclude one another");
+    int code = cli_check_camera("render", &asked->camera);
+    if (code == CLI_GO_ON) code = cli_check_cut(line, &asked->cut);
+    if (code == CLI_GO_ON && cli_check_out("render", out) != CLI_GO_ON) code = EXIT_FAILED;
+    return code;
+}
+
 int verb_render(int argc, char **argv)
 {
     cli_model_flags common = { 0 };
-    const char *out = NULL, *keep = "both";
-    double gap = 0;
-    pith_cut_step cut;
-    pith_params_defaults(&pith_cut_step_params, &cut);
-    bool has_plane = false, has_keep = false, has_gap = false;
+    render_flags asked = { 0 };
     const cli_flag flags[] = {
-        { "out", 'o', CLI_TEXT, &out, "FILE", "the picture: .png or .jpg", 0, 0, NULL },
-        { "plane", 0, CLI_PLANE, &cut.plane, "PX,..,NZ", "cut here instead of where the document says", 0, 0, &has_plane },
-        { "keep", 0, CLI_TEXT, &keep, "WORD", "with --plane: both, positive or negative", 0, 0, &has_keep },
-        { "gap", 0, CLI_NUMBER, &gap, "X", "with --plane: how far the halves are moved apart", 0, 1e9,
-          &has_gap },
+        { "out", 'o', CLI_TEXT, &asked.out, "FILE", "the picture: .png or .jpg", 0, 0, NULL },
+        CLI_CAMERA_FLAGS(asked.camera),
+        CLI_CUT_FLAGS(asked.cut),
+        { "volume", 0, CLI_SWITCH, &asked.volume, NULL, "look through the model, though the document does not say so", 0,
+          0, NULL },
+        { "surface", 0, CLI_SWITCH, &asked.surface, NULL, "look at its surfaces, though the document is translucent", 0,
+          0, NULL },
+        { "no-displacement", 0, CLI_SWITCH, &common.no_displacement, NULL,
+          "leave the skin where it is, whatever the document says", 0, 0, NULL },
         CLI_THREADS_FLAG(common), CLI_CACHE_FLAG(common),
     };
     cli_line line = {
         .verb = "render", .words = "DOCUMENT -o FILE", .least_words = 1, .most_words = 1, .flags = flags,
-        .flag_count = sizeof flags / sizeof *flags, .params = &pith_render_params,
-        .summary = "Makes a ray-traced picture of the model with the document's cuts, camera and render options; every\n"
-                   "render option can be given here too.",
+        .flag_count = sizeof flags / sizeof *flags,
+        .tables = { &pith_cut_step_params, &pith_render_params, &pith_volume_params },
+        .summary = "Makes a picture of the model with the document's cuts, camera and options: ray-traced surfaces, or a\n"
+                   "translucent picture when the document has \"volume\". Every option of either can be given here too.",
     };
-    const int code = cli_parse(&line, argc, argv);
+    int code = cli_parse(&line, argc, argv);
+    if (code == CLI_GO_ON) code = check_flags(&line, &asked);
     if (code != CLI_GO_ON) return code;
-    if (!out || !(pith_path_has_extension(out, "png") || pith_path_has_extension(out, "jpg") ||
-                  pith_path_has_extension(out, "jpeg")))
-        return cli_misuse("render", "expected -o FILE ending in .png or .jpg%s%s", out ? ", got " : "", out ? out : "");
-    if ((has_keep || has_gap) && !has_plane)
-        return cli_misuse("render", "--%s goes with --plane; without it the document's own cuts hold",
-                          has_keep ? "keep" : "gap");
-    pith_error err;
-    if (pith_param_set_word(pith_params_find(&pith_cut_step_params, "keep"), &cut, keep, &err) != PITH_OK)
-        return cli_misuse("render", "%s", err.message);
-    cut.gap = gap;
-    if (cli_check_out("render", out) != CLI_GO_ON) return EXIT_FAILED;
     cli_model opened;
-    const int open = cli_open("render", line.word[0], &common, &opened);
-    if (open != CLI_GO_ON) return open;
-    pith_status status = has_plane ? pith_model_set_cuts(opened.model, &cut, 1, &err) : PITH_OK;
-    if (status == PITH_OK) status = run(&opened, &line, out, &err);
-    const int result = status == PITH_OK ? EXIT_DONE : cli_fail("render", &err);
+    code = cli_open("render", line.word[0], &common, &opened);
+    if (code != CLI_GO_ON) return code;
+    const bool through = asked.volume || (!asked.surface && pith_document_translucent(opened.document));
+    int result = check_kind(&line, through);
+    if (result == CLI_GO_ON) {
+        pith_error err;
+        pith_status status = cli_apply_cut(&line, &asked.cut, opened.model, &err);
+        if (status == PITH_OK)
+            status = through ? render_volume(&opened, &line, &asked, &err) : render_surface(&opened, &line, &asked, &err);
+        result = status == PITH_OK ? EXIT_DONE : cli_fail("render", &err);
+    }
     cli_close(&opened);
     return result;
 }
