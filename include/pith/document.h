@@ -24,7 +24,10 @@ pith_status pith_document_load(const char *path, pith_document **document, pith_
 /** Same from memory; path is used in messages and as the base of relative paths. */
 pith_status pith_document_parse(const char *path, const char *json, size_t size, pith_document **document,
                                 pith_error *err);
-/** Writes it back, keys in a fixed order, two spaces of indent, atomically. Relative paths stay as they are written. */
+/** The document as text: keys in a fixed order, two spaces of indent, one zero byte behind. Relative paths stay as they
+ *  are written. Caller frees with pith_free. */
+pith_status pith_document_json(const pith_document *document, char **text, pith_error *err);
+/** Writes that text, atomically. */
 pith_status pith_document_save(const pith_document *document, const char *path, pith_error *err);
 void pith_document_destroy(pith_document *document);
 /** The title, or "". */
@@ -49,9 +52,11 @@ bool pith_document_translucent(const pith_document *document);
  *  (pith_camera_fit): target is then the origin and eye the direction. */
 bool pith_document_camera(const pith_document *document, pith_camera *camera);
 
-/** One operation on a document, as JSON: {"op": "depth.fill", "body": "…", "face": 12, "depth": 0.25, "crease": 30}.
- *  What an editor's tools do; docs/document.md lists them all. Makes a new document, checked as when loaded; the old one
- *  stays as it is. `operation` is text of `size` bytes; refusals name the place inside it. */
+/** One operation on a document, as JSON: {"op": "depth.fill", "body": "…", "face": 12, "depth": 0.25, "crease": 30}; or
+ *  a list of them, in order, all or none: only what comes out at the end is checked as a whole. What an editor's tools
+ *  do; docs/document.md lists them all. Makes a new document, checked as when loaded; the old one stays as it is: undoing
+ *  is keeping it. `operation` is text of `size` bytes; refusals name the place inside it ("operation: depth: …",
+ *  "operations[2]: face: …"), or in the document that would come out. Operations with faces make the body's mesh. */
 pith_status pith_document_apply(const pith_document *document, const char *operation, size_t size,
                                 pith_document **edited, pith_error *err);
 /** Every operation as Markdown tables. Caller frees with pith_free. */

@@ -116,7 +116,7 @@ static pith_status check_text(const reader *in, const json_t *value, const char 
 static pith_status check_file(const reader *in, const json_t *value)
 {
     PITH_TRY(check_text(in, value, "a file's path, relative to the document"));
-    char *path = pith_path_join(in->file, json_string_value(value));
+    char *path = pith_path_join(in->base ? in->base : in->file, json_string_value(value));
     if (!path) return PITH_OUT_OF_MEMORY(in->err, "a path");
     const bool there = pith_file_exists(path);
     const pith_status status = there ? PITH_OK : reader_fail(in, "there is no file %s; paths are relative to the "
@@ -128,7 +128,7 @@ static pith_status check_file(const reader *in, const json_t *value)
 static pith_status check_recipe_file(const reader *in, const json_t *value)
 {
     PITH_TRY(check_file(in, value));
-    char *path = pith_path_join(in->file, json_string_value(value));
+    char *path = pith_path_join(in->base ? in->base : in->file, json_string_value(value));
     if (!path) return PITH_OUT_OF_MEMORY(in->err, "a path");
     pith_recipe *recipe = NULL;
     pith_status status = pith_recipe_load(path, &recipe, in->err);
@@ -208,6 +208,13 @@ static pith_status check_sizes(const reader *in, const json_t *value)
             return reader_fail(in, "entry %zu is out of range, expected %s", i, expected);
     }
     return PITH_OK;
+}
+
+static pith_status check_index(const reader *in, const json_t *value)
+{
+    if (json_is_integer(value) && json_integer_value(value) >= 0 && json_integer_value(value) < PITH_NONE)
+        return PITH_OK;
+    return reader_fail(in, "expected a whole number from 0");
 }
 
 static pith_status check_version(const reader *in, const json_t *value)
@@ -301,6 +308,8 @@ static pith_status check_value(reader *in, json_t *value, const grammar_key *key
     case VALUE_LINES: return check_lines(in, value);
     case VALUE_FACES: return check_faces(in, value);
     case VALUE_SIZES: return check_sizes(in, value);
+    case VALUE_INDEX: return check_index(in, value);
+    case VALUE_ANY: return PITH_OK;
     case VALUE_OBJECT: return grammar_check(in, value, key->inner);
     case VALUE_LIST: return check_list(in, value, key->inner);
     case VALUE_KINDS: return check_kinds(in, value, key->inner);

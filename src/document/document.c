@@ -174,17 +174,28 @@ pith_status pith_document_load(const char *path, pith_document **document, pith_
     return status;
 }
 
-pith_status pith_document_save(const pith_document *document, const char *path, pith_error *err)
+pith_status pith_document_json(const pith_document *document, char **text, pith_error *err)
 {
     json_t *ordered = grammar_order(document->root, &grammar_document);
-    if (!ordered) return PITH_OUT_OF_MEMORY(err, path);
+    if (!ordered) return PITH_OUT_OF_MEMORY(err, document->path);
     text_buffer buffer = { 0 };
     text_add_json(&buffer, ordered, 0);
     text_add(&buffer, "\n");
     json_decref(ordered);
-    const pith_status status = buffer.failed ? PITH_OUT_OF_MEMORY(err, path)
-                                             : pith_file_write(path, buffer.text, buffer.length, err);
+    if (!buffer.failed) {
+        *text = buffer.text;
+        return PITH_OK;
+    }
     pith_free(buffer.text);
+    return PITH_OUT_OF_MEMORY(err, document->path);
+}
+
+pith_status pith_document_save(const pith_document *document, const char *path, pith_error *err)
+{
+    char *text = NULL;
+    PITH_TRY(pith_document_json(document, &text, err));
+    const pith_status status = pith_file_write(path, text, strlen(text), err);
+    pith_free(text);
     return status;
 }
 

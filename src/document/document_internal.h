@@ -21,6 +21,8 @@ typedef enum value_kind {
     VALUE_LINES,    /* a list of lines */
     VALUE_FACES,    /* "all" or a list of indices */
     VALUE_SIZES,    /* [r, s, t], whole numbers 8 .. 256 */
+    VALUE_INDEX,    /* a whole number from 0 */
+    VALUE_ANY,      /* whatever JSON there is; what it becomes part of is checked */
     VALUE_OBJECT,   /* an object of the inner grammar */
     VALUE_LIST,     /* a list of objects of the inner grammar */
     VALUE_KINDS     /* a list of objects; "kind" says which of the inner grammars (NULL-named end) each follows */
@@ -46,11 +48,19 @@ struct grammar {
     const char *const *one_of;      /* keys of which exactly one must be there; the same */
 };
 
+/* For tables of grammars: a list of keys with its length, a list of names. */
+#define KEYS(...)                                                                                                      \
+    (const grammar_key[]){ __VA_ARGS__ }, \
+    sizeof((const grammar_key[]){ __VA_ARGS__ }) / sizeof(grammar_key)
+#define NAMES(...) (const char *const[]){ __VA_ARGS__, NULL }
+
 extern const grammar grammar_document, grammar_body, grammar_recipe;
+extern const grammar grammar_exemplar, grammar_plane, grammar_cut_stroke; /* operations have them too */
 
 /* Where a check stands: the document's path, and the place inside it. */
 typedef struct reader {
-    const char *file;
+    const char *file;               /* as messages call it */
+    const char *base;               /* the file that paths are relative to; NULL: the same */
     char place[300];
     pith_error *err;
 } reader;
@@ -79,6 +89,15 @@ typedef struct text_buffer { char *text; size_t length, capacity; bool failed; }
 void text_add(text_buffer *buffer, const char *format, ...) __attribute__((format(printf, 2, 3)));
 /* Pretty JSON: two spaces of indent, arrays of plain values on one line, shortest numbers that read back equal. */
 void text_add_json(text_buffer *buffer, const json_t *value, int indent);
+/* One operation on documents (the table of them is in operations.c, what they do in apply*.c). */
+typedef struct edit edit;
+typedef struct document_operation {
+    grammar rules;                  /* its keys, all but "op" */
+    pith_status (*apply)(edit *at);
+    const char *holder, *list;      /* what it adds to, or clears, in the body: "direction", "strokes" */
+} document_operation;
+extern const document_operation document_operations[]; /* the last has no name */
+
 /* The object with its keys in the grammar's order; a new reference or NULL (no memory). */
 json_t *grammar_order(const json_t *object, const grammar *rules);
 
@@ -142,6 +161,9 @@ typedef struct document_scale {
     pith_smoothing_options smoothing;
 } document_scale;
 
+/* Triangles by where they look: those whose normals are within so many degrees of the direction, which is unit. */
+typedef struct document_facing { pith_vec3 direction; double within; } document_facing;
+
 /* One body: what stands at the top level of a document, or in an entry of its "bodies". */
 typedef struct document_body {
     const char *name;               /* "" when it is the only one */
@@ -155,6 +177,7 @@ typedef struct document_body {
     pith_refine_options refine;
 
     pith_depth_constraint *constraints;
+    document_facing *facing;        /* [constraint_count]; which faces a constraint of faces without a list means */
     size_t constraint_count;
     pith_depth_options depth;
     pith_stroke *strokes;
@@ -212,9 +235,9 @@ typedef struct type_needs { const char *word; bool depth, direction, vectors, sc
 const type_needs *type_needs_of(uint32_t type);
 
 extern const pith_params document_grid_params, document_lens_params, document_depth_value_params,
-    document_recipe_params, document_stop_params;
+    document_constraint_params, document_recipe_params, document_stop_params;
 extern const pith_params document_scale_value_params, document_paste_params, document_transfer_params;
-typedef struct depth_value { double depth; } depth_value;
+typedef struct depth_value { double depth, within; } depth_value; /* within: of constraints only */
 typedef struct transfer_value { double value, opacity; } transfer_value;
 typedef struct stop_value { double depth, opacity; } stop_value;
 typedef struct recipe_options { uint64_t seed; double strip_blend; bool homogeneous; } recipe_options;

@@ -3,9 +3,6 @@
    read these tables; nothing of them is written twice. */
 #include "document_internal.h"
 
-#define KEYS(...) (const grammar_key[]){ __VA_ARGS__ }, sizeof((const grammar_key[]){ __VA_ARGS__ }) / sizeof(grammar_key)
-#define NAMES(...) (const char *const[]){ __VA_ARGS__, NULL }
-
 /* ---- small tables of the document's own options --------------------------------------------------------------- */
 
 static const pith_param refine_items[] = {
@@ -43,10 +40,13 @@ static const pith_param lens_items[] = {
 };
 const pith_params document_lens_params = { "camera", lens_items, 1, sizeof(struct document_lens) };
 
-static const pith_param depth_value_items[] = {
+static const pith_param constraint_items[] = {
     { "depth", "1", "0 outermost … 1 innermost", PITH_PARAM_DOUBLE, 0, 0, 1, offsetof(depth_value, depth), NULL },
+    { "within", "degrees", "how far from `facing` a normal may be; more takes triangles that are turned away further",
+      PITH_PARAM_DOUBLE, 1, 45, 90, offsetof(depth_value, within), NULL },
 };
-const pith_params document_depth_value_params = { "depth value", depth_value_items, 1, sizeof(depth_value) };
+const pith_params document_depth_value_params = { "depth value", constraint_items, 1, sizeof(depth_value) };
+const pith_params document_constraint_params = { "constraint", constraint_items, 2, sizeof(depth_value) };
 
 static const pith_param recipe_items[] = {
     { "seed", "1", "another seed places noise and particles elsewhere", PITH_PARAM_SEED, 0, 1, 0x1p53,
@@ -92,7 +92,7 @@ const pith_params *const *pith_document_tables(void)
 {
     static const pith_params *const tables[] = {
         &pith_fruit_params, &pith_slab_params, &pith_tets_params, &pith_refine_params, &document_depth_value_params,
-        &pith_depth_params, &pith_smoothing_params, &pith_tangent_params, &pith_volume_field_params,
+        &document_constraint_params, &pith_depth_params, &pith_smoothing_params, &pith_tangent_params, &pith_volume_field_params,
         &document_scale_value_params, &pith_displacement_params, &document_paste_params, &pith_lapped_params,
         &document_grid_params, &document_recipe_params, &document_stop_params, &pith_noise_layer_params,
         &pith_brick_layer_params, &pith_particle_layer_params, &pith_cut_step_params, &pith_cut_stroke_params,
@@ -165,9 +165,11 @@ static const grammar shape = {
 static const grammar constraint = {
     "constraint", "Faces, a stroke or points, and the depth they have.",
     KEYS({ "faces", VALUE_FACES, "\"all\", or triangles of the cleaned mesh by index from 0", NULL },
+         { "facing", VALUE_POINT, "a direction of any length but 0: all triangles whose normals point `within` of it",
+           NULL },
          { "stroke", VALUE_LINE, "corners of a polyline", NULL },
          { "points", VALUE_POINTS, "single points", NULL }),
-    &document_depth_value_params, NAMES("depth"), NAMES("faces", "stroke", "points"),
+    &document_constraint_params, NAMES("depth"), NAMES("faces", "facing", "stroke", "points"),
 };
 static const grammar depth = {
     "depth", "The depth field: 0 on the outside, 1 at the core, from what is painted and drawn.",
@@ -203,7 +205,7 @@ static const grammar displacement = {
     "displacement", "Moves the skin by a channel of the solid: bark, seeds in relief.", NULL, 0,
     &pith_displacement_params, NULL, NULL,
 };
-static const grammar exemplar = {
+const grammar grammar_exemplar = {
     "exemplar", "The texture a lapped solid is made of: axes r, s, t; of types 1, s is the depth.",
     KEYS({ "file", VALUE_FILE, "NRRD with three or more channels that tiles along r and t, for types 0 along s too",
            NULL },
@@ -213,7 +215,7 @@ static const grammar exemplar = {
 };
 static const grammar paste = {
     "paste", "An exemplar set by hand at one place on top of the filled solid; its opacity and the splotch shape it.",
-    KEYS({ "exemplar", VALUE_OBJECT, "what is set there", &exemplar },
+    KEYS({ "exemplar", VALUE_OBJECT, "what is set there", &grammar_exemplar },
          { "point", VALUE_POINT, "where the middle of its cube is, in the body", NULL },
          { "up", VALUE_POINT, "direction of its s axis, of any length but 0", NULL },
          { "along", VALUE_POINT, "direction of its t axis; made perpendicular to `up`", NULL }),
@@ -224,7 +226,7 @@ static const grammar paste = {
     { "kind", VALUE_TEXT, "how it is made: the word above", NULL }
 static const grammar solid_kinds[] = {
     { "lapped", "Overlapping patches of an exemplar.",
-      KEYS(SOLID_KEYS, { "exemplar", VALUE_OBJECT, "its texture", &exemplar },
+      KEYS(SOLID_KEYS, { "exemplar", VALUE_OBJECT, "its texture", &grammar_exemplar },
            { "pastes", VALUE_LIST, "exemplars set by hand on top; the last is topmost", &paste }),
       &pith_lapped_params, NAMES("name", "kind", "exemplar"), NULL },
     { "grid", "A voxel grid, in the mesh's coordinates.",
@@ -232,13 +234,13 @@ static const grammar solid_kinds[] = {
       NULL },
     { NULL, NULL, NULL, 0, NULL, NULL, NULL },
 };
-static const grammar plane = {
+const grammar grammar_plane = {
     "plane", "A plane.",
     KEYS({ "point", VALUE_POINT, "a point on it", NULL },
          { "normal", VALUE_POINT, "its normal, of any length but 0", NULL }),
     NULL, NAMES("point", "normal"), NULL,
 };
-static const grammar stroke = {
+const grammar grammar_cut_stroke = {
     "stroke", "A stroke drawn over the picture: the cut is swept by the rays from the eye through its points.",
     KEYS({ "eye", VALUE_POINT, "where it was drawn from", NULL },
          { "points", VALUE_LINE, "corners of the polyline, at any distance from the eye", NULL }),
@@ -246,8 +248,8 @@ static const grammar stroke = {
 };
 static const grammar cut = {
     "cut", "A cut of everything there is, along a plane or a stroke; cuts apply in order.",
-    KEYS({ "plane", VALUE_OBJECT, "where", &plane },
-         { "stroke", VALUE_OBJECT, "the same, drawn", &stroke }),
+    KEYS({ "plane", VALUE_OBJECT, "where", &grammar_plane },
+         { "stroke", VALUE_OBJECT, "the same, drawn", &grammar_cut_stroke }),
     &pith_cut_step_params, NULL, NAMES("plane", "stroke"),
 };
 static const grammar camera = {

@@ -9,7 +9,7 @@
 
 /* Every value goes through put or append, which remember when memory ran out; the caller looks once, at the end. Every
    object but the document itself is written once, under its name in "$defs", and referred to. */
-enum { MOST_GRAMMARS = 64 };
+enum { MOST_GRAMMARS = 128 };
 typedef struct schema_maker {
     bool failed;
     json_t *definitions;
@@ -109,6 +109,8 @@ static json_t *value_schema(schema_maker *maker, const grammar_key *key)
     case VALUE_SIZES:
         return json_pack("{ss s{ss si si} si si}", "type", "array", "items", "type", "integer", "minimum", 8, "maximum",
                          256, "minItems", 3, "maxItems", 3);
+    case VALUE_INDEX: return json_pack("{ss si}", "type", "integer", "minimum", 0);
+    case VALUE_ANY: return json_object();
     case VALUE_OBJECT: return reference(maker, key->inner, false);
     case VALUE_LIST: return list_schema(reference(maker, key->inner, false), 0);
     case VALUE_KINDS: return kinds_schema(maker, key->inner);
@@ -188,6 +190,8 @@ static const char *word_of(value_kind kind)
     case VALUE_LINES: return "list of lists of points";
     case VALUE_FACES: return "`\"all\"` or list of indices";
     case VALUE_SIZES: return "`[r, s, t]`";
+    case VALUE_INDEX: return "whole number from 0";
+    case VALUE_ANY: return "any JSON";
     case VALUE_OBJECT: return "object";
     case VALUE_LIST: return "list of objects";
     case VALUE_KINDS: return "list of objects by kind";
@@ -282,4 +286,18 @@ pith_status pith_document_keys(char **text, pith_error *err)
     keys_maker maker = { .out = &out };
     add_section(&maker, &grammar_document, "", false);
     return give_text(&out, text, "the keys", err);
+}
+
+/* Every operation in a section of its own; objects that documents have too are described there. */
+pith_status pith_document_operations(char **text, pith_error *err)
+{
+    text_buffer document = { 0 }, out = { 0 };
+    keys_maker maker = { .out = &document };
+    add_section(&maker, &grammar_document, "", false);
+    maker.out = &out;
+    for (const document_operation *next = document_operations; next->rules.name; ++next)
+        add_section(&maker, &next->rules, next->rules.name, false);
+    if (document.failed) out.failed = true;
+    pith_free(document.text);
+    return give_text(&out, text, "the operations", err);
 }
