@@ -41,6 +41,11 @@ pith_status pith_depth_field(const pith_tets *tets, const pith_depth_constraint 
 
 /* ---- Laplacian smoothing ----------------------------------------------------------------------------------------- */
 
+/** How a frame field takes a direction from a vertex to its neighbour: as it is, each component by itself (thesis §4.4.2),
+ *  or turned with the layers. The first keeps what points the same way in space (the meridians of a fruit from one stroke
+ *  along its axis); the second keeps the angle within the layers (fibres that wind round a wall). */
+typedef enum pith_carry { PITH_CARRY_SPACE, PITH_CARRY_LAYERS } pith_carry;
+
 typedef struct pith_smoothing_options {
     double lambda_r;    /* λR of exp(-λR r² - λD d²); r in units of the mean edge length (thesis §4.4.2) */
     double lambda_d;    /* λD; d in units of the mean difference of depth along an edge (root of the mean square), so
@@ -48,6 +53,7 @@ typedef struct pith_smoothing_options {
                            less than a thousandth of the heaviest: layers never come apart entirely */
     double constraint_weight; /* of each constraint row against one Laplacian row; 10 meets values to about a percent */
     uint32_t barycentric; /* constraint rows: 1 barycentric (2008, eq. 2), 0 exponential weights (thesis §4.4.2) */
+    uint32_t carry;     /* pith_carry; frame fields only */
 } pith_smoothing_options;
 extern const pith_params pith_smoothing_params;
 pith_smoothing_options pith_smoothing_options_default(void);
@@ -89,8 +95,8 @@ pith_status pith_frame_field_create(const pith_tets *tets, const pith_locator *l
                                     pith_frame_field **field, pith_error *err);
 void pith_frame_field_destroy(pith_frame_field *field);
 /** The secondary direction at every vertex, unit length and perpendicular to the gradient: strokes are resampled half an
- *  edge apart and smoothed with depth-aware weights within the layers (thesis §4.4.2; directions are carried to neighbours
- *  by the smallest rotation of the normals, so that they keep their angle round a wall). Above 4 000 vertices the unknowns
+ *  edge apart and smoothed with depth-aware weights (thesis §4.4.2), then made perpendicular. With PITH_CARRY_LAYERS
+ *  directions are carried to neighbours by the smallest rotation of the normals, and above 4 000 vertices the unknowns
  *  are groups of vertices, about that many. What becomes of
  *  - vertices where the gradient vanishes: they use the normal of a neighbour;
  *  - vertices where smoothing leaves nothing (below 1e-4 of the longest): the direction of their neighbours;

@@ -150,16 +150,56 @@ static pith_status repair(const layers *l, pith_vec3 *secondary, uint32_t *repai
     return PITH_OK;
 }
 
-/* Unit directions from the smoothed ones; zero where next to nothing of the longest is left. */
-static void straighten(const layers *l, const turn *smooth, pith_vec3 *secondary)
+/* Unit directions across the gradient from the smoothed ones; zero where next to nothing of the longest is left. */
+static void straighten(const layers *l, pith_vec3 *secondary)
 {
     const uint32_t n = l->adjacent.vertex_count;
     double longest = 0.0;
-    for (uint32_t v = 0; v < n; ++v) longest = fmax(longest, hypot(smooth[v].re, smooth[v].im));
+    for (uint32_t v = 0; v < n; ++v) longest = fmax(longest, pith_length(secondary[v]));
     for (uint32_t v = 0; v < n; ++v) {
-        const bool left = hypot(smooth[v].re, smooth[v].im) > nothing_left * longest;
-        secondary[v] = left ? across_unit(layers_direction(l, v, smooth[v]), l->normal[v]) : pith_v3(0, 0, 0);
+        const bool left = pith_length(secondary[v]) > nothing_left * longest;
+        secondary[v] = left ? across_unit(secondary[v], l->normal[v]) : pith_v3(0, 0, 0);
     }
+}
+
+/* ---- the two ways of smoothing ------------------------------------------------------------------------------------- */
+
+/* Each component by itself, as the thesis has it. */
+static pith_status smooth_in_space(const pith_frame_field *field, const stroke_samples *samples, pith_vec3 *smooth,
+                                   pith_error *err)
+{
+    const size_t n = field->layers.adjacent.vertex_count, count = samples->count;
+    pith_smoother *smoother = NULL;
+    double *values = pith_alloc(3 * count, sizeof *values), *result = pith_alloc(3 * n, sizeof *result);
+    pith_status status = values && result ? PITH_OK : PITH_OUT_OF_MEMORY(err, "the prescribed directions");
+    for (size_t i = 0; status == PITH_OK && i < count; ++i) {
+        const pith_vec3 along = samples->tangents[i];
+        values[i] = along.x, values[count + i] = along.y, values[2 * count + i] = along.z;
+    }
+    if (status == PITH_OK)
+        status = pith_smoother_create(field->tets, field->locator, field->depth, samples->points, count, &field->options,
+                                      &smoother, err);
+    if (status == PITH_OK) status = pith_smoother_solve(smoother, values, 3, result, err);
+    for (size_t v = 0; status == PITH_OK && v < n; ++v) smooth[v] = pith_v3(result[v], result[n + v], result[2 * n + v]);
+    pith_smoother_destroy(smoother);
+    pith_free(values);
+    pith_free(result);
+    return status;
+}
+
+/* As angles within the layers. */
+static pith_status smooth_in_layers(pith_frame_field *field, const turns *constrain, size_t samples, pith_vec3 *smooth,
+                                    pith_error *err)
+{
+    const uint32_t n = field->layers.adjacent.vertex_count;
+    turn *values = pith_alloc(constrain->rows, sizeof *values), *result = pith_alloc(n, sizeof *result);
+    pith_status status = values && result ? PITH_OK : PITH_OUT_OF_MEMORY(err, "the prescribed directions");
+    for (size_t i = 0; status == PITH_OK && i < samples; ++i) values[i].re = field->options.constraint_weight;
+    if (status == PITH_OK) status = layers_solve(&field->layers, constrain, values, result, err);
+    for (uint32_t v = 0; status == PITH_OK && v < n; ++v) smooth[v] = layers_direction(&field->layers, v, result[v]);
+    pith_free(values);
+    pith_free(result);
+    return status;
 }
 
 /* ---- the object -------------------------------------------------------------------------------------------------- */
@@ -232,25 +272,20 @@ pith_status pith_frame_field_solve(pith_frame_field *field, const pith_stroke *s
     const uint32_t n = field->layers.adjacent.vertex_count;
     stroke_samples samples = { 0 };
     turns constrain = { 0 };
-    turn *smooth = pith_alloc(n, sizeof *smooth), *values = NULL;
     pith_vec3 *made = pith_alloc(n, sizeof *made);
     pith_frame_report found = { 0 };
     pith_status status = PITH_OK;
-    if (!smooth || !made) {
+    if (!made) {
         status = PITH_OUT_OF_MEMORY(err, "the secondary directions");
         goto done;
     }
     PITH_TRY_OR(done, stroke_samples_make(field->tets, field->locator, field->depth, &field->layers, strokes, count,
                                           &field->options, &samples, err));
     PITH_TRY_OR(done, constraint_rows(field, &samples, &constrain, &found.unreached, err));
-    values = pith_alloc(constrain.rows, sizeof *values);
-    if (!values) {
-        status = PITH_OUT_OF_MEMORY(err, "the prescribed directions");
-        goto done;
-    }
-    for (size_t i = 0; i < samples.count; ++i) values[i].re = field->options.constraint_weight;
-    PITH_TRY_OR(done, layers_solve(&field->layers, &constrain, values, smooth, err));
-    straighten(&field->layers, smooth, made);
+    if (field->options.carry == PITH_CARRY_SPACE) status = smooth_in_space(field, &samples, made, err);
+    else status = smooth_in_layers(field, &constrain, samples.count, made, err);
+    if (status != PITH_OK) goto done;
+    straighten(&field->layers, made);
     PITH_TRY_OR(done, repair(&field->layers, made, &found.repaired, err));
     found.samples = samples.count + samples.dropped;
     found.dropped = samples.dropped;
@@ -259,8 +294,6 @@ pith_status pith_frame_field_solve(pith_frame_field *field, const pith_stroke *s
 done:
     stroke_samples_free(&samples);
     turns_free(&constrain);
-    pith_free(values);
-    pith_free(smooth);
     pith_free(made);
     return status;
 }

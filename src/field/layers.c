@@ -305,8 +305,10 @@ pith_status layers_make(const pith_tets *tets, const double *depth, const pith_v
     }
     PITH_TRY_OR(done, fill_normals(&l, err));
     for (uint32_t v = 0; v < view.vertex_count; ++v) l.east[v] = pith_perpendicular(l.normal[v]);
-    PITH_TRY_OR(done, make_laplacian(&l, &view, depth, options, &laplacian, err));
-    PITH_TRY_OR(done, spread_groups(&l, &laplacian, err));
+    if (options->carry == PITH_CARRY_LAYERS) {
+        PITH_TRY_OR(done, make_laplacian(&l, &view, depth, options, &laplacian, err));
+        PITH_TRY_OR(done, spread_groups(&l, &laplacian, err));
+    }
     *made = l;
     l = (layers){ 0 };
 done:

@@ -25,7 +25,8 @@ typedef struct layers {
     pith_least_squares *system; /* NULL before the first strokes */
 } layers;
 
-/* steepest: length of the longest gradient. */
+/* steepest: length of the longest gradient. The smoothing itself (groups, Laplacian) is only made when the options carry
+   directions within layers. */
 pith_status layers_make(const pith_tets *tets, const double *depth, const pith_vec3 *gradient, double steepest,
                         const pith_smoothing_options *options, layers *made, pith_error *err);
 void layers_free(layers *l);

@@ -12,6 +12,7 @@
 
 static const char *const row_words[] = { "exponential", "barycentric", NULL };
 
+static const char *const carry_words[] = { "space", "layers", NULL };
 static const pith_param smoothing_items[] = {
     { "lambda_r", "1", "more of it lets near neighbours count more (distance in mean edge lengths, squared)",
       PITH_PARAM_DOUBLE, 0, 0.5, 1000, offsetof(pith_smoothing_options, lambda_r), NULL },
@@ -21,6 +22,9 @@ static const pith_param smoothing_items[] = {
       PITH_PARAM_DOUBLE, 1e-3, 10, 1000, offsetof(pith_smoothing_options, constraint_weight), NULL },
     { "constraint_rows", "1", "how a point speaks for the corners of its tetrahedron",
       PITH_PARAM_CHOICE, 0, 1, 1, offsetof(pith_smoothing_options, barycentric), row_words },
+    { "carry", "1", "frame fields: directions stay the same in space (meridians from an axis), or within the layers (fibres "
+      "round a wall)", PITH_PARAM_CHOICE, 0, PITH_CARRY_SPACE, PITH_CARRY_LAYERS,
+      offsetof(pith_smoothing_options, carry), carry_words },
 };
 const pith_params pith_smoothing_params = { "smoothing", smoothing_items,
                                             sizeof smoothing_items / sizeof *smoothing_items,

@@ -42,15 +42,22 @@ static void directions_free(directions *d)
     free(d->secondary);
 }
 
+static pith_smoothing_options carrying(pith_carry carry)
+{
+    pith_smoothing_options options = pith_smoothing_options_default();
+    options.carry = carry;
+    return options;
+}
+
 static pith_status solve(directions *d, const pith_stroke *strokes, size_t count)
 {
-    const pith_smoothing_options options = pith_smoothing_options_default();
+    const pith_smoothing_options options = carrying(PITH_CARRY_LAYERS);
     return pith_secondary_field(d->tets, d->locator, d->depth, d->gradient, strokes, count, &options, d->secondary, &err);
 }
 
 static pith_frame_field *prepare(const directions *d)
 {
-    const pith_smoothing_options options = pith_smoothing_options_default();
+    const pith_smoothing_options options = carrying(PITH_CARRY_LAYERS);
     pith_frame_field *field = NULL;
     CHECK_OK(pith_frame_field_create(d->tets, d->locator, d->depth, d->gradient, &options, &field, &err));
     return field;
@@ -82,6 +89,30 @@ static void a_straight_stroke_gives_one_direction_everywhere(void **state)
         CHECK_OK(solve(&d, &stroke, 1));
         for (uint32_t v = 0; v < d.view.vertex_count; ++v)
             CHECK_NEAR(pith_distance(d.secondary[v], pith_v3(0, 0, 1)), 0.0, 1e-9);
+    }
+    directions_free(&d);
+}
+
+/* Carried in space a stroke gives its own direction everywhere, across the gradient: the meridians of a ball from a stroke
+   along its axis, whose ends they run together in. */
+static void a_stroke_along_the_axis_gives_meridians(void **state)
+{
+    (void)state;
+    directions d = trunk(1, 8, 0.5, 0.5);
+    const pith_vec3 axis[2] = { { 0.5, 0.5, 0.3 }, { 0.5, 0.5, 0.7 } };
+    const pith_stroke stroke = { axis, 2 };
+    for (uint32_t v = 0; v < d.view.vertex_count; ++v) {
+        const pith_vec3 arm = pith_sub(d.view.positions[v], pith_v3(0.5, 0.5, 0.5));
+        d.depth[v] = 1 - pith_dot(arm, arm);
+        d.gradient[v] = pith_scale(arm, -2.0);
+    }
+    const pith_smoothing_options options = carrying(PITH_CARRY_SPACE);
+    CHECK_OK(pith_secondary_field(d.tets, d.locator, d.depth, d.gradient, &stroke, 1, &options, d.secondary, &err));
+    for (uint32_t v = 0; v < d.view.vertex_count; ++v) {
+        const pith_vec3 inward = pith_unit(d.gradient[v]), meridian = pith_reject(pith_v3(0, 0, 1), inward);
+        if (pith_length(meridian) > 1e-3) CHECK_NEAR(pith_distance(d.secondary[v], pith_unit(meridian)), 0.0, 1e-6);
+        CHECK_NEAR(pith_length(d.secondary[v]), 1.0, 1e-12);
+        CHECK_NEAR(pith_dot(d.secondary[v], inward), 0.0, 1e-12);
     }
     directions_free(&d);
 }
@@ -238,7 +269,7 @@ static void the_field_matches_a_dense_solve_of_the_energy(void **state)
         p.basis[v][0] = pith_unit(pith_cross(p.normal[v], pith_v3(0.3, -0.8, 0.52)));
         p.basis[v][1] = pith_cross(p.normal[v], p.basis[v][0]);
     }
-    const pith_smoothing_options options = pith_smoothing_options_default();
+    const pith_smoothing_options options = carrying(PITH_CARRY_LAYERS);
     const pith_vec3 points[2] = { { 0.31, 0.2, 0.4 }, { 0.25, 0.57, 0.62 } };
     double edges = 0;
     uint32_t count = 0;
@@ -477,6 +508,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_straight_stroke_gives_one_direction_everywhere),
+        cmocka_unit_test(a_stroke_along_the_axis_gives_meridians),
         cmocka_unit_test(one_stroke_goes_round_a_cylinder),
         cmocka_unit_test(a_helix_keeps_its_pitch),
         cmocka_unit_test(the_field_matches_a_dense_solve_of_the_energy),
