@@ -110,6 +110,7 @@ static void a_stroke_along_the_axis_gives_meridians(void **state)
     CHECK_OK(pith_secondary_field(d.tets, d.locator, d.depth, d.gradient, &stroke, 1, &options, d.secondary, &err));
     for (uint32_t v = 0; v < d.view.vertex_count; ++v) {
         const pith_vec3 inward = pith_unit(d.gradient[v]), meridian = pith_reject(pith_v3(0, 0, 1), inward);
+        if (!(pith_length(inward) > 0.5)) continue; /* the very middle has no layer */
         if (pith_length(meridian) > 1e-3) CHECK_NEAR(pith_distance(d.secondary[v], pith_unit(meridian)), 0.0, 1e-6);
         CHECK_NEAR(pith_length(d.secondary[v]), 1.0, 1e-12);
         CHECK_NEAR(pith_dot(d.secondary[v], inward), 0.0, 1e-12);
