@@ -74,33 +74,58 @@ static pith_status check_refine(reader *in, const document_body *body)
     return reader_fail(in, "looks at the depth field; give the body \"depth\" with constraints");
 }
 
-static pith_status build_constraint(pith_document *made, const json_t *from, pith_depth_constraint *to,
-                                    pith_error *err)
+static pith_status build_facing(reader *in, const json_t *from, double within, document_facing *to)
 {
-    to->depth = json_number_value(json_object_get(from, "depth"));
+    *to = (document_facing){ pith_unit(json_point(from)), within };
+    if (pith_length(to->direction) > 0.5) return PITH_OK;
+    reader_enter(in, "facing");
+    return reader_fail(in, "is no direction; give one of any length but 0, such as [0, 0, 1]");
+}
+
+static pith_status build_constraint(pith_document *made, reader *in, const json_t *from, pith_depth_constraint *to,
+                                    document_facing *facing)
+{
+    depth_value value;
+    json_options(from, &document_constraint_params, &value);
+    to->depth = value.depth;
+    const json_t *look = json_object_get(from, "facing");
+    to->kind = PITH_DEPTH_FACES;
+    if (look) return build_facing(in, look, value.within, facing);
+    if (json_object_get(from, "within")) {
+        reader_enter(in, "within");
+        return reader_fail(in, "belongs to \"facing\", which is not here; leave it out");
+    }
     const json_t *faces = json_object_get(from, "faces"), *stroke = json_object_get(from, "stroke");
     if (!faces) {
         to->kind = stroke ? PITH_DEPTH_STROKE : PITH_DEPTH_POINTS;
-        return document_points(made, stroke ? stroke : json_object_get(from, "points"), &to->points, &to->count, err);
+        return document_points(made, stroke ? stroke : json_object_get(from, "points"), &to->points, &to->count,
+                               in->err);
     }
     to->kind = json_is_string(faces) ? PITH_DEPTH_ALL_FACES : PITH_DEPTH_FACES;
     to->count = json_array_size(faces);
     uint32_t *copy = arena_alloc(&made->memory, to->count, sizeof *copy);
-    if (!copy) return PITH_OUT_OF_MEMORY(err, "faces");
+    if (!copy) return PITH_OUT_OF_MEMORY(in->err, "faces");
     for (size_t i = 0; i < to->count; ++i) copy[i] = (uint32_t)json_integer_value(json_array_get(faces, i));
     to->faces = copy;
     return PITH_OK;
 }
 
-static pith_status build_depth(pith_document *made, const json_t *depth, document_body *to, pith_error *err)
+/* `in` stands at the body. */
+static pith_status build_depth(pith_document *made, reader *in, const json_t *depth, document_body *to)
 {
     json_options(depth, &pith_depth_params, &to->depth);
     const json_t *constraints = json_object_get(depth, "constraints");
     to->constraint_count = json_array_size(constraints);
     to->constraints = arena_alloc(&made->memory, to->constraint_count, sizeof *to->constraints);
-    if (!to->constraints) return PITH_OUT_OF_MEMORY(err, "constraints");
-    for (size_t i = 0; i < to->constraint_count; ++i)
-        PITH_TRY(build_constraint(made, json_array_get(constraints, i), &to->constraints[i], err));
+    to->facing = arena_alloc(&made->memory, to->constraint_count, sizeof *to->facing);
+    if (!to->constraints || !to->facing) return PITH_OUT_OF_MEMORY(in->err, "constraints");
+    for (size_t i = 0; i < to->constraint_count; ++i) {
+        const size_t length = reader_enter(in, "depth");
+        reader_enter(in, "constraints");
+        reader_enter_at(in, i);
+        PITH_TRY(build_constraint(made, in, json_array_get(constraints, i), &to->constraints[i], &to->facing[i]));
+        reader_leave(in, length);
+    }
     return PITH_OK;
 }
 
@@ -296,7 +321,7 @@ pith_status body_build(pith_document *made, reader *in, const json_t *from, docu
     to->place = arena_text(&made->memory, place);
     if (!to->place) return PITH_OUT_OF_MEMORY(in->err, "a place");
     PITH_TRY(build_shape(made, json_object_get(from, "shape"), to, in->err));
-    PITH_TRY(build_depth(made, json_object_get(from, "depth"), to, in->err));
+    PITH_TRY(build_depth(made, in, json_object_get(from, "depth"), to));
     PITH_TRY(check_refine(in, to));
     PITH_TRY(build_direction(made, json_object_get(from, "direction"), to, in->err));
     PITH_TRY(build_vectors(made, in, json_object_get(from, "vectors"), &to->vectors));

@@ -163,6 +163,8 @@ static uint64_t hash_constraints(const document_body *body, uint64_t hash)
         hash = pith_hash_bytes(&c->depth, sizeof c->depth, hash);
         if (c->points) hash = pith_hash_bytes(c->points, c->count * sizeof *c->points, hash);
         if (c->faces) hash = pith_hash_bytes(c->faces, c->count * sizeof *c->faces, hash);
+        if (c->kind == PITH_DEPTH_FACES && !c->faces)
+            hash = pith_hash_bytes(&body->facing[i], sizeof body->facing[i], hash);
     }
     return hash_options(&pith_depth_params, &body->depth, hash);
 }

@@ -96,7 +96,7 @@ static const refusal refusals[] = {
     /* depth and direction */
     { WITH("\"depth\": {}"), "kiwi.pith: depth: \"constraints\" is missing" },
     { WITH("\"depth\": { \"constraints\": [ {} ] }"), "depth.constraints[0]: \"depth\" is missing" },
-    { WITH("\"depth\": { \"constraints\": [ { \"depth\": 1 } ] }"), "depth.constraints[0]: has 0 of \"faces\", \"stroke\"" },
+    { WITH("\"depth\": { \"constraints\": [ { \"depth\": 1 } ] }"), "depth.constraints[0]: has 0 of \"faces\", \"facing\"" },
     { WITH("\"depth\": { \"constraints\": [ { \"depth\": 1.5, \"faces\": \"all\" } ] }"),
       "depth.constraints[0].depth: is 1.5, expected 0 to 1" },
     { WITH("\"depth\": { \"constraints\": [ { \"depth\": 1, \"faces\": \"some\" } ] }"), "expected \"all\" or a list" },
