@@ -54,7 +54,7 @@ typedef struct pith_pinned pith_pinned; /* one thread at a time */
  *  someone draws: the factor of smoothᵀsmooth is kept and follows each change by a rank-one update (Davis and Hager
  *  2005). No pins at first; a part of the system without a pin gets 0. PITH_BAD_ARGUMENT for a malformed view or no
  *  unknowns.
- *  50 000 unknowns of a squared Laplacian over a surface: 0.6 s. */
+ *  50 000 unknowns of a squared Laplacian over a surface: 0.9 s. */
 pith_status pith_pinned_create(const pith_sparse_view *smooth, pith_pinned **system, pith_error *err);
 void pith_pinned_destroy(pith_pinned *system);
 /** Sets all pins [unknowns] (squared weights, >= 0). About 0.7 ms for each that differs from before at 50 000 unknowns;

@@ -6,15 +6,16 @@
  * vertex v(k). All three components share one factor, which follows the strokes by rank-one updates; afterwards the
  * vectors are projected to the tangent planes and normalised.
  *
- * Measured on two cores, a torus of 100 352 triangles: MEASURED.
+ * Measured on two cores, a torus of 100 352 triangles: 0.7 to 1 s to prepare (a third of it METIS' ordering, half the
+ * factor); one stroke more of 25 segments 50 ms, of 80 segments (160 edges) 95 ms, of which 25 ms are the solve.
  */
 #include "tangent_internal.h"
 
 #include <string.h>
 
 static const pith_param tangent_items[] = {
-    { "constraint_weight", "1", "more of it follows the strokes more exactly and less smoothly", PITH_PARAM_DOUBLE, 1e-3,
-      10, 1000, offsetof(pith_tangent_options, constraint_weight), NULL },
+    { "constraint_weight", "1", "more of it follows the strokes more exactly and less smoothly", PITH_PARAM_DOUBLE,
+      1e-3, 10, 1000, offsetof(pith_tangent_options, constraint_weight), NULL },
     { "spacing", "mean edges", "more of it takes fewer samples along a stroke, which is faster and follows it less "
       "closely", PITH_PARAM_DOUBLE, 0.25, 2, 20, offsetof(pith_tangent_options, spacing), NULL },
     { "seed", "1", "another one gives another direction where smoothing leaves exactly nothing", PITH_PARAM_SEED, 0, 1,
@@ -167,8 +168,8 @@ pith_status pith_tangent_field_create(const pith_mesh *mesh, const pith_tangent_
 
 /* ---- strokes ----------------------------------------------------------------------------------------------------- */
 
-/* Finds the vertex of each piece: the nearest of the triangle nearest to its middle, so that a thin plate's other side has
-   no say. Refuses strokes that are too far away or have nothing tangent. */
+/* Finds the vertex of each piece: the nearest of the triangle nearest to its middle, so that a thin plate's other side
+   has no say. Refuses strokes that are too far away or have nothing tangent. */
 static pith_status place_pieces(const pith_tangent_field *field, stroke_pieces *pieces, pith_error *err)
 {
     pith_nearest *nearest = pith_alloc(pieces->count, sizeof *nearest);

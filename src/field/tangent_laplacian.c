@@ -1,12 +1,13 @@
 /* The cotangent Laplacian of a triangle mesh, as rows that sum to zero.
  *
- * Pinkall and Polthier, "Computing discrete minimal surfaces and their conjugates", Experimental Mathematics 2(1), 1993;
- * Desbrun, Meyer, Schröder and Barr, "Implicit fairing of irregular meshes using diffusion and curvature flow", 1999.
+ * Pinkall and Polthier, "Computing discrete minimal surfaces and their conjugates", Experimental Mathematics 2(1),
+ * 1993; Desbrun, Meyer, Schröder and Barr, "Implicit fairing of irregular meshes using diffusion and curvature flow",
+ * 1999.
  */
 #include "tangent_internal.h"
 
-/* Weights outside this range are clamped: negative ones would make a vertex fly from its neighbour, zero ones would take a
-   mesh apart, and those of needles would tie two vertices together. An equilateral triangle has 0.58. */
+/* Weights outside this range are clamped: negative ones would make a vertex fly from its neighbour, zero ones would
+   take a mesh apart, and those of needles would tie two vertices together. An equilateral triangle has 0.58. */
 static const double least_weight = 1e-3, greatest_weight = 1e3;
 
 void tangent_rows_free(tangent_rows *rows)
@@ -26,8 +27,8 @@ static double half_cotangent(pith_vec3 a, pith_vec3 b, pith_vec3 c)
     return along > 0.0 ? INFINITY : along < 0.0 ? -INFINITY : 0.0;
 }
 
-/* Every corner of every triangle lists the two others with the weights of the edges to them; edges occur once for each of
-   their triangles. */
+/* Every corner of every triangle lists the two others with the weights of the edges to them; edges occur once for each
+   of their triangles. */
 static void list_edges(const pith_mesh_view *mesh, const uint32_t *first, uint32_t *filled, uint32_t *neighbour,
                        double *weight)
 {
@@ -43,7 +44,8 @@ static void list_edges(const pith_mesh_view *mesh, const uint32_t *first, uint32
     }
 }
 
-/* Sorts one vertex's list and adds up what belongs to the same edge; leaves out the vertex itself. Returns what is left. */
+/* Sorts one vertex's list and adds up what belongs to the same edge; leaves out the vertex itself. Returns what is
+   left. */
 static uint32_t merge_edges(uint32_t vertex, uint32_t count, uint32_t *neighbour, double *weight)
 {
     uint32_t kept = 0;

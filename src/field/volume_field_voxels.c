@@ -77,8 +77,8 @@ static pith_status mark_inside(const pith_tracer *tracer, voxels *v, pith_error 
     }
     for (uint32_t i = 0; i < v->boundary_count; ++i) v->inside[v->boundary[i]] = 2;
     if (inner == 0)
-        return pith_fail(err, PITH_BAD_MESH, "no voxel of size %g has its centre inside the surface; close the surface, "
-                         "or raise voxels", v->spacing);
+        return pith_fail(err, PITH_BAD_MESH, "no voxel of size %g has its centre inside the surface; close the "
+                         "surface, or raise voxels", v->spacing);
     return PITH_OK;
 }
 
@@ -166,7 +166,7 @@ done:
     return status;
 }
 
-/* ---- the nearest inner cell ---------------------------------------------------------------------------------------- */
+/* ---- the nearest inner cell -------------------------------------------------------------------------------------- */
 
 /* The best so far. */
 typedef struct nearest_cell { pith_vec3 point; uint32_t cell; double square; } nearest_cell;
@@ -177,7 +177,8 @@ static void try_cell(const voxels *v, uint32_t x, uint32_t y, uint32_t z, neares
     if (!v->inside[cell]) return;
     const pith_vec3 away = pith_sub(voxels_centre(v, cell), best->point);
     const double square = pith_dot(away, away);
-    if (square < best->square || (square == best->square && cell < best->cell)) best->cell = cell, best->square = square;
+    if (square < best->square || (square == best->square && cell < best->cell))
+        best->cell = cell, best->square = square;
 }
 
 /* Tries the cells of the grid whose greatest distance from `middle` along an axis is `ring` cells. */
@@ -212,7 +213,8 @@ uint32_t voxels_nearest(const voxels *v, pith_vec3 p, double reach)
         if (v->size[k] > rings) rings = v->size[k];
     }
     for (int64_t ring = 0; ring < rings; ++ring) {
-        const double gap = ring > 0 ? (double)ring - 0.5 : 0.0; /* from p, moved into the grid, to this ring, at least */
+        /* From p, moved into the grid, to this ring it is at least so far. */
+        const double gap = ring > 0 ? (double)ring - 0.5 : 0.0;
         if (best.square < (beyond + gap * gap) * v->spacing * v->spacing) break;
         try_ring(v, middle, ring, &best);
     }

@@ -25,12 +25,12 @@ typedef struct site_pin {
     pith_vec3 direction;
 } site_pin;
 
-/* Gathers pieces by site, sites ascending. What a stroke that turns back on itself within a site says there is left out.
-   Refuses two strokes of opposite directions at one site; `what` names sites in the message ("vertex"). */
+/* Gathers pieces by site, sites ascending. What a stroke that turns back on itself within a site says there is left
+   out. Refuses two strokes of opposite directions at one site; `what` names sites in the message ("vertex"). */
 pith_status site_pins_make(const stroke_pieces *pieces, size_t stroke_count, const char *what, site_pin **pins,
                            size_t *count, pith_error *err);
 
-/* ---- directions where smoothing left none (tangent_repair.c) ------------------------------------------------------ */
+/* ---- directions where smoothing left none (tangent_repair.c) ----------------------------------------------------- */
 
 typedef struct site_graph {
     /* Points *list at the sites beside one (scratch may hold them) and returns how many. */
@@ -39,12 +39,12 @@ typedef struct site_graph {
     const pith_vec3 *normals;   /* directions are made perpendicular to these; NULL: they may be any */
 } site_graph;
 
-/* Gives the missing sites (count of them, zero vectors now; the list is used up) the direction of their neighbours, from
-   the rim inward, and where even these have none a random one from the seed. */
+/* Gives the missing sites (count of them, zero vectors now; the list is used up) the direction of their neighbours,
+   from the rim inward, and where even these have none a random one from the seed. */
 pith_status directions_repair(const site_graph *graph, uint32_t *missing, uint32_t count, uint64_t seed,
                               pith_vec3 *vectors, pith_error *err);
 
-/* ---- voxels (volume_field_voxels.c) -------------------------------------------------------------------------------- */
+/* ---- voxels (volume_field_voxels.c) ------------------------------------------------------------------------------ */
 
 /* Voxels of a closed surface. Cells count x fastest, then y, then z. */
 typedef struct voxels {
@@ -72,7 +72,7 @@ static inline pith_vec3 voxels_centre(const voxels *v, uint32_t cell)
 /* The inner cell nearest to p (the lowest of equals); PITH_NONE when it is farther than reach. */
 uint32_t voxels_nearest(const voxels *v, pith_vec3 p, double reach);
 
-/* ---- smoothing voxels (volume_field_levels.c, volume_field_cycle.c, volume_field_solve.c) -------------------------- */
+/* ---- smoothing voxels (volume_field_levels.c, volume_field_cycle.c, volume_field_solve.c) ------------------------ */
 
 /* A run of cells of one level that holds all its inner cells of that y and z. */
 typedef struct level_row { uint32_t first, count, y, z; } level_row;
@@ -90,8 +90,8 @@ typedef struct level {
     float *stiffness;           /* [cells] Λ² */
     float *lines;               /* [cells] the part of it that does not come from the boundary */
     float *inverse_diagonal;    /* [cells] of LᵀL + Λ² */
-    float *spread;              /* [cells] what interpolation weights are multiplied with: over the sum of those that fall
-                                   on inner coarse cells, less where the cell is stiff */
+    float *spread;              /* [cells] factor of interpolation weights: over the sum of those that fall on inner
+                                   coarse cells, less where the cell is stiff */
 } level;
 
 enum { MOST_LEVELS = 12, COARSEST = 5, MOST_DENSE = COARSEST * COARSEST * COARSEST, MOST_VOXELS = 256 };
@@ -116,7 +116,9 @@ static inline size_t level_cell(const level *l, const voxels *v, uint32_t cell)
 }
 
 /* Room for one component's cycle. */
-typedef struct cycle_room { float *x[MOST_LEVELS], *b[MOST_LEVELS], *held[MOST_LEVELS], *step[MOST_LEVELS]; } cycle_room;
+typedef struct cycle_room {
+    float *x[MOST_LEVELS], *b[MOST_LEVELS], *held[MOST_LEVELS], *step[MOST_LEVELS];
+} cycle_room;
 
 bool cycle_room_make(const hierarchy *h, cycle_room *room);
 void cycle_room_free(cycle_room *room);

@@ -2,23 +2,23 @@
  *
  * A pin changes one diagonal entry of the normal matrix, so its factor follows by rank-one updates along the path from
  * that unknown to the root of the elimination tree: Davis and Hager, "Row modifications of a sparse Cholesky
- * factorization", SIAM J. Matrix Anal. Appl. 26(3), 2005; Chen, Davis, Hager and Rajamanickam, "Algorithm 887: CHOLMOD",
- * ACM TOMS 35(3), 2008. Updates need a simplicial LDLᵀ factor; it is made supernodally and converted, which is many
- * times faster than making it so.
+ * factorization", SIAM J. Matrix Anal. Appl. 26(3), 2005; Chen, Davis, Hager and Rajamanickam, "Algorithm 887:
+ * CHOLMOD", ACM TOMS 35(3), 2008. Updates need a simplicial LDLᵀ factor; it is made supernodally and converted, which
+ * is many times faster than making it so.
  */
 #include "cholmod_internal.h"
 
 #include <string.h>
 
-/* One unknown of each connected part is held at 0 this much, relative to the largest diagonal entry: well above rounding,
-   so that a factor without any pin exists; and too little to bend the solution visibly once there is a pin (a hold on
-   every unknown would add up over a large mesh). */
+/* One unknown of each connected part is held at 0 this much, relative to the largest diagonal entry: well above
+   rounding, so that a factor without any pin exists; and too little to bend the solution visibly once there is a pin
+   (a hold on every unknown would add up over a large mesh). */
 static const double hold = 1e-11;
 /* Changed pins from which a new factor is cheaper than updates (50 000 unknowns of a surface: 0.7 ms for each update,
    0.3 s for a factor), and those that one call to CHOLMOD may hold at once. */
 enum { MOST_UPDATES = 300 };
-/* Residuals: relative to the right-hand side, where refining may stop; relative to matrix times solution, where rounding
-   ends and a factor in good health always gets to. */
+/* Residuals: relative to the right-hand side, where refining may stop; relative to matrix times solution, where
+   rounding ends and a factor in good health always gets to. */
 static const double small_residual = 1e-12, rounding_residual = 1e-12;
 enum { MOST_ROUNDS = 4 };
 
@@ -187,8 +187,8 @@ pith_status pith_pinned_change(pith_pinned *system, const double *pins, pith_err
     uint32_t changes = 0;
     for (uint32_t i = 0; i < n; ++i) {
         if (!(pins[i] >= 0.0 && pins[i] < INFINITY))
-            return pith_fail(err, PITH_BAD_ARGUMENT, "the pin of unknown %u is %g, expected a finite number that is not "
-                             "negative", i, pins[i]);
+            return pith_fail(err, PITH_BAD_ARGUMENT, "the pin of unknown %u is %g, expected a finite number that is "
+                             "not negative", i, pins[i]);
         changes += pins[i] != system->pins[i];
     }
     if (changes == 0 && system->factor) return PITH_OK;
@@ -201,8 +201,8 @@ pith_status pith_pinned_change(pith_pinned *system, const double *pins, pith_err
     return PITH_OK;
 }
 
-/* right = pins b - (SᵀS + pins) x for one right-hand side, x NULL for zeros; scratch [rows of smooth]. Returns the square
-   of its length. */
+/* right = pins b - (SᵀS + pins) x for one right-hand side, x NULL for zeros; scratch [rows of smooth]. Returns the
+   square of its length. */
 static double residual_of(const pith_pinned *system, const double *b, const double *x, double *scratch, double *right)
 {
     const sparse *smooth = &system->smooth;
@@ -217,8 +217,8 @@ static double residual_of(const pith_pinned *system, const double *b, const doub
     return square;
 }
 
-/* Adds corrections to x = 0 until the residual is small or shrinks no more. *good says whether it is no more than rounding
-   makes it; it is not after so many updates that the factor is worn out. */
+/* Adds corrections to x = 0 until the residual is small or shrinks no more. *good says whether it is no more than
+   rounding makes it; it is not after so many updates that the factor is worn out. */
 static pith_status refine(pith_pinned *system, const double *b, uint32_t count, double *x, double *right,
                           double *scratch, bool *good, pith_error *err)
 {
@@ -251,8 +251,8 @@ pith_status pith_pinned_solve(pith_pinned *system, const double *b, uint32_t cou
     const size_t n = system->normal.rows;
     for (size_t i = 0; i < n * count; ++i)
         if (system->pins[i % n] > 0.0 && !isfinite(b[i]))
-            return pith_fail(err, PITH_BAD_ARGUMENT, "right-hand side %zu of unknown %zu is %g; expected a finite number",
-                             i / n, i % n, b[i]);
+            return pith_fail(err, PITH_BAD_ARGUMENT, "right-hand side %zu of unknown %zu is %g; expected a finite "
+                             "number", i / n, i % n, b[i]);
     double *found = pith_alloc(n * count, sizeof *found), *right = pith_alloc(n * count, sizeof *right);
     double *scratch = pith_alloc(system->smooth.rows, sizeof *scratch);
     bool good = false;

@@ -9,7 +9,7 @@
 static pith_error err;
 static const double turn = 6.283185307179586;
 
-/* ---- surfaces ------------------------------------------------------------------------------------------------------ */
+/* ---- surfaces ---------------------------------------------------------------------------------------------------- */
 
 typedef enum shape { SQUARE, CYLINDER, TORUS } shape;
 
@@ -31,8 +31,8 @@ static pith_vec3 along(shape kind, double u, double v, double du, double dv)
     return pith_unit(pith_sub(place(kind, u + h * du, v + h * dv), place(kind, u - h * du, v - h * dv)));
 }
 
-/* A grid of nu by nv over the shape, closed where the shape is; jitter moves vertices by that part of a cell. `copies` of
-   it side by side. parameters [vertices] may be NULL. */
+/* A grid of nu by nv over the shape, closed where the shape is; jitter moves vertices by that part of a cell. `copies`
+   of it side by side. parameters [vertices] may be NULL. */
 static pith_mesh *make_surface(shape kind, uint32_t nu, uint32_t nv, double jitter, uint32_t copies,
                                double (*parameters)[2])
 {
@@ -92,7 +92,7 @@ static double degrees_between(pith_vec3 a, pith_vec3 b)
     return atan2(pith_length(pith_cross(a, b)), pith_dot(a, b)) * 360 / turn;
 }
 
-/* ---- known fields -------------------------------------------------------------------------------------------------- */
+/* ---- known fields ------------------------------------------------------------------------------------------------ */
 
 /* Strokes along a family of curves of the torus and the cylinder bring back the family's directions everywhere. */
 static void strokes_along_a_known_field_give_that_field(void **state)
@@ -100,7 +100,8 @@ static void strokes_along_a_known_field_give_that_field(void **state)
     (void)state;
     /* A piece speaks for a vertex up to half a cell away: 3 degrees around u, 5 around v. */
     static const struct { shape kind; double du, dv, allowed; } cases[] = {
-        { TORUS, 1, 0, 5.0 }, { TORUS, 0, 1, 7.0 }, { TORUS, 1, 2, 7.0 }, { CYLINDER, 1, 0, 5.0 }, { CYLINDER, 1, 1, 5.0 },
+        { TORUS, 1, 0, 5.0 }, { TORUS, 0, 1, 7.0 }, { TORUS, 1, 2, 7.0 },
+        { CYLINDER, 1, 0, 5.0 }, { CYLINDER, 1, 1, 5.0 },
     };
     static double parameters[70 * 40][2];
     for (size_t c = 0; c < sizeof cases / sizeof *cases; ++c) {
@@ -150,7 +151,7 @@ static void one_stroke_on_a_flat_open_square_gives_one_direction(void **state)
     pith_mesh_destroy(mesh);
 }
 
-/* ---- the energy, written down plainly -------------------------------------------------------------------------------- */
+/* ---- the energy, written down plainly ---------------------------------------------------------------------------- */
 
 enum { PINS = 9 };
 
@@ -232,7 +233,7 @@ static void vectors_match_a_dense_solve(void **state)
     }
 }
 
-/* ---- invariances ----------------------------------------------------------------------------------------------------- */
+/* ---- invariances ------------------------------------------------------------------------------------------------- */
 
 static pith_vec3 turned(pith_vec3 p)
 {
@@ -306,7 +307,7 @@ static void drawing_step_by_step_ends_in_the_same_field(void **state)
     pith_mesh_destroy(mesh);
 }
 
-/* ---- special places ---------------------------------------------------------------------------------------------------- */
+/* ---- special places ---------------------------------------------------------------------------------------------- */
 
 static void components_without_strokes_get_zero(void **state)
 {
@@ -370,7 +371,7 @@ static void rows_of_the_laplacian_sum_to_one(void **state)
     pith_mesh_destroy(mesh);
 }
 
-/* ---- refusals ---------------------------------------------------------------------------------------------------------- */
+/* ---- refusals ---------------------------------------------------------------------------------------------------- */
 
 static void mistakes_are_named(void **state)
 {

@@ -1,5 +1,5 @@
-/* Vector fields in voxels against closed forms, brute force, and a dense solve in long double of the energy as the thesis
-   writes it. */
+/* Vector fields in voxels against closed forms, brute force, and a dense solve in long double of the energy as the
+   thesis writes it. */
 #include "check.h"
 #include "pith/field.h"
 #include "volume_internal.h"
@@ -8,7 +8,7 @@
 
 static pith_error err;
 
-/* ---- bodies -------------------------------------------------------------------------------------------------------- */
+/* ---- bodies ------------------------------------------------------------------------------------------------------ */
 
 static pith_mesh *make_ball(uint32_t detail)
 {
@@ -25,8 +25,10 @@ static pith_mesh *make_ball(uint32_t detail)
 /* Boxes of these half sizes, `count` of them side by side along z. */
 static pith_mesh *make_boxes(pith_vec3 half, uint32_t count)
 {
-    static const uint32_t faces[12][3] = { { 0, 2, 1 }, { 1, 2, 3 }, { 4, 5, 6 }, { 5, 7, 6 }, { 0, 1, 4 }, { 1, 5, 4 },
-                                           { 2, 6, 3 }, { 3, 6, 7 }, { 0, 4, 2 }, { 2, 4, 6 }, { 1, 3, 5 }, { 3, 7, 5 } };
+    static const uint32_t faces[12][3] = {
+        { 0, 2, 1 }, { 1, 2, 3 }, { 4, 5, 6 }, { 5, 7, 6 }, { 0, 1, 4 }, { 1, 5, 4 },
+        { 2, 6, 3 }, { 3, 6, 7 }, { 0, 4, 2 }, { 2, 4, 6 }, { 1, 3, 5 }, { 3, 7, 5 },
+    };
     pith_vec3 positions[24];
     uint32_t triangles[36][3];
     for (uint32_t b = 0; b < count; ++b) {
@@ -79,7 +81,7 @@ static uint32_t beside(const pith_volume_view *v, uint32_t cell, uint32_t list[6
     return count;
 }
 
-/* ---- voxels -------------------------------------------------------------------------------------------------------- */
+/* ---- voxels ------------------------------------------------------------------------------------------------------ */
 
 static void voxels_of_a_ball_fill_it(void **state)
 {
@@ -170,10 +172,11 @@ static void boundary_voxels_know_their_nearest_triangle(void **state)
     pith_mesh_destroy(mesh);
 }
 
-/* ---- the energy, written down plainly -------------------------------------------------------------------------------- */
+/* ---- the energy, written down plainly ---------------------------------------------------------------------------- */
 
 /* rows[c] constraints at cell c, b[c] the sum of their right-hand sides. */
-static void smooth_densely(const pith_volume_view *v, const double *rows, const double *b, double weight, long double *x)
+static void smooth_densely(const pith_volume_view *v, const double *rows, const double *b, double weight,
+                           long double *x)
 {
     const uint32_t cells = cells_of(v);
     uint32_t *number = calloc(cells, sizeof *number), n = 0, list[6];
@@ -255,7 +258,7 @@ static void vectors_match_a_dense_solve(void **state)
     pith_mesh_destroy(mesh);
 }
 
-/* ---- the cycle ----------------------------------------------------------------------------------------------------------- */
+/* ---- the cycle --------------------------------------------------------------------------------------------------- */
 
 /* As an operator it is symmetric and positive, and on a field of all frequencies near enough to the inverse. */
 static void the_cycle_is_a_symmetric_inverse_of_sorts(void **state)
@@ -306,7 +309,8 @@ static void few_iterations_are_enough(void **state)
 {
     (void)state;
     static const struct { double weight, x, y, z; uint32_t voxels; } cases[] = {
-        { 10, 1, 1, 1, 40 }, { 0.01, 1, 1, 1, 32 }, { 1000, 1, 1, 1, 32 }, { 10, 1, 1, 0.04, 65 }, { 10, 0.03, 0.03, 1, 97 },
+        { 10, 1, 1, 1, 40 }, { 0.01, 1, 1, 1, 32 }, { 1000, 1, 1, 1, 32 }, { 10, 1, 1, 0.04, 65 },
+        { 10, 0.03, 0.03, 1, 97 },
     };
     for (size_t k = 0; k < sizeof cases / sizeof *cases; ++k) {
         pith_mesh *mesh = make_boxes(pith_v3(cases[k].x, cases[k].y, cases[k].z), 1);
@@ -335,7 +339,7 @@ static void few_iterations_are_enough(void **state)
     }
 }
 
-/* ---- the field ----------------------------------------------------------------------------------------------------------- */
+/* ---- the field --------------------------------------------------------------------------------------------------- */
 
 enum { CORNERS = 30 };
 typedef struct drawn { pith_vec3 points[CORNERS]; } drawn;
@@ -472,9 +476,10 @@ static void threads_change_nothing(void **state)
     pith_mesh_destroy(mesh);
 }
 
-/* ---- sampling -------------------------------------------------------------------------------------------------------------- */
+/* ---- sampling ---------------------------------------------------------------------------------------------------- */
 
-/* The mean of the inner cells around p by trilinear weights, over all cells; the nearest inner cell where there are none. */
+/* The mean of the inner cells around p by trilinear weights, over all cells; the nearest inner cell where there are
+   none. */
 static pith_vec3 sample_plainly(const pith_volume_view *v, pith_vec3 p)
 {
     pith_vec3 sum = pith_v3(0, 0, 0);
@@ -519,7 +524,7 @@ static void samples_are_trilinear_inside_and_nearest_beyond(void **state)
     pith_mesh_destroy(mesh);
 }
 
-/* ---- special places -------------------------------------------------------------------------------------------------------- */
+/* ---- special places ---------------------------------------------------------------------------------------------- */
 
 static void components_without_constraints_get_zero(void **state)
 {
@@ -577,7 +582,7 @@ static void where_nothing_is_left_there_is_a_direction(void **state)
     pith_mesh_destroy(mesh);
 }
 
-/* ---- refusals -------------------------------------------------------------------------------------------------------------- */
+/* ---- refusals ---------------------------------------------------------------------------------------------------- */
 
 typedef struct listener { double last; int calls, stop_at; } listener;
 
@@ -647,7 +652,8 @@ static void mistakes_are_named(void **state)
                 "strokes 0 and 1 contradict each other: they run in opposite directions at the same voxel");
     s[1] = draw_arc(0.5, 0, 2, 3, &lines[1]);
     lines[1].points[CORNERS - 1] = pith_v3(1.2, 0, 0);
-    CHECK_FAILS(pith_volume_field_solve(field, surface, s, 2, NULL, &err), PITH_BAD_ARGUMENT, "stroke 1 leaves the body");
+    CHECK_FAILS(pith_volume_field_solve(field, surface, s, 2, NULL, &err), PITH_BAD_ARGUMENT,
+                "stroke 1 leaves the body");
     lines[1].points[CORNERS - 1].x = INFINITY;
     CHECK_FAILS(pith_volume_field_solve(field, surface, s, 2, NULL, &err), PITH_BAD_ARGUMENT, "stroke 1, point 29");
     s[1].count = 1;
