@@ -20,6 +20,7 @@ static const verb verbs[] = {
     { "sample", "colours at points: lines in, lines out", verb_sample },
     { "cut", "cut the model and write the halves as coloured meshes", verb_cut },
     { "render", "make a picture", verb_render },
+    { "field", "show the fields: streamlines, arrows, layers, depth", verb_field },
     { "bake", "make a voxel grid", verb_bake },
     { "exemplar", "make an exemplar from a recipe", verb_exemplar },
     { "demo", "run the main job on two models and show what came out", verb_demo },
