@@ -55,6 +55,10 @@ bench: $(BUILD)/pith-configured
 	$(BUILD)/pith bench lapped --curve --csv > bench/results/lapped_curve.csv
 	$(BUILD)/pith bench fields --json > bench/results/fields.json
 	$(BUILD)/pith bench render --json > bench/results/render.json
+	$(BUILD)/pith bench cut --csv > bench/results/cut.csv
+	$(BUILD)/pith bench cut --curve --csv > bench/results/cut_curve.csv
+	$(BUILD)/pith bench blend --csv > bench/results/blend.csv
+	$(BUILD)/pith bench volume --json > bench/results/volume.json
 
 gallery: $(BUILD)/pith-configured
 	@cmake --build $(BUILD) --target pith pith-tetgen -j $(JOBS) -- --no-print-directory -s

@@ -62,7 +62,8 @@ static pith_status fill(kiwi *k, const char *recipe, pith_error *err)
 {
     PITH_TRY(pith_recipe_load(recipe, &k->recipe, err));
     PITH_TRY(pith_exemplar_layered(pith_recipe_look(k->recipe), &k->exemplar, err));
-    const pith_lapped_input input = { k->tets, k->exemplar, k->depth, k->gradient, k->secondary };
+    const pith_lapped_input input = { .tets = k->tets, .exemplar = k->exemplar, .depth = k->depth,
+                                      .gradient = k->gradient, .direction = k->secondary };
     const pith_lapped_options options = pith_lapped_options_default();
     pith_lapped_report report;
     PITH_TRY(pith_solid_lapped(&input, &options, NULL, &k->flesh, &report, err));
@@ -106,7 +107,7 @@ static pith_status draw(kiwi *k, const char *path, pith_error *err)
     const pith_shell_view shell = pith_shell_look(k->half);
     const pith_box box = pith_box_of(shell.positions, shell.vertex_count);
     const pith_camera camera = pith_camera_fit(&box, pith_v3(0.45, 0.5, 1), pith_v3(0, 1, 0), 24, 480.0 / 360.0);
-    const pith_render_item item = { k->half, k->flesh, { 0, 0, 0 } };
+    const pith_render_item item = { .shell = k->half, .solid = k->flesh };
     PITH_TRY(pith_render(&item, 1, &camera, &options, NULL, &k->picture, err));
     return pith_image_write(k->picture, path, 92, err);
 }
