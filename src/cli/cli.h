@@ -86,6 +86,8 @@ void cli_close(cli_model *opened);
 /* The body of this name; without a name (NULL) the only one. Prints the names there are when that does not work out:
    CLI_GO_ON, or an exit code. */
 int cli_choose_body(const char *verb, const cli_model *opened, const char *name, pith_model **body);
+/* Has the body this key in the document, e.g. "depth"? */
+bool cli_states(const cli_model *opened, const pith_model *body, const char *key);
 /* Which body is made of this solid. */
 size_t cli_body_of_solid(const cli_model *opened, const pith_solid *solid);
 

@@ -4,33 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- what the document states ------------------------------------------------------------------------------------------- */
-
-/* Which fields the body has: its keys in the document. */
-static pith_status stated(const cli_model *opened, size_t index, bool *depth, bool *direction, bool *vectors,
-                          pith_error *err)
-{
-    char *text = NULL;
-    PITH_TRY(pith_document_json(opened->document, &text, err));
-    json_t *root = json_loads(text, 0, NULL);
-    pith_free(text);
-    if (!root) return PITH_OUT_OF_MEMORY(err, "the document");
-    const json_t *bodies = json_object_get(root, "bodies"), *body = bodies ? json_array_get(bodies, index) : root;
-    *depth = json_object_get(body, "depth");
-    *direction = json_object_get(body, "direction");
-    *vectors = json_object_get(body, "vectors");
-    json_decref(root);
-    return PITH_OK;
-}
-
-static size_t index_of(const cli_model *opened, const pith_model *body)
-{
-    for (size_t i = 0; i < pith_model_bodies(opened->model); ++i) {
-        pith_model *other;
-        if (pith_model_body(opened->model, i, &other, NULL) == PITH_OK && other == body) return i;
-    }
-    return 0;
-}
+/* ---- what there is ------------------------------------------------------------------------------------------------------- */
 
 static pith_status choose(const field_flags *asked, bool depth, bool direction, bool vectors, field *made,
                           pith_error *err)
@@ -104,10 +78,10 @@ static pith_status count_singular(field *made, pith_error *err)
 
 pith_status field_open(const cli_model *opened, pith_model *body, const field_flags *asked, field *made, pith_error *err)
 {
-    bool depth = false, direction = false, vectors = false;
+    const bool depth = cli_states(opened, body, "depth"), direction = cli_states(opened, body, "direction");
+    const bool vectors = cli_states(opened, body, "vectors");
     const double start = pith_seconds();
     *made = (field){ .asked = asked };
-    PITH_TRY(stated(opened, index_of(opened, body), &depth, &direction, &vectors, err));
     PITH_TRY(choose(asked, depth, direction, vectors, made, err));
     PITH_TRY(pith_model_tets(body, &made->tets, NULL, err));
     PITH_TRY(pith_model_locator(body, &made->locator, err));

@@ -3,21 +3,146 @@
 
 #include <string.h>
 
-static pith_status bake_voxels(const cli_model *opened, const char *out, uint32_t voxels, bool bytes, pith_error *err)
+/* ---- voxels ----------------------------------------------------------------------------------------------------------- */
+
+/* A grid over all bodies: cubic voxels, `longest` along the longest side, with the channels of the solid that has most. */
+static pith_status make_grid(const cli_model *opened, uint32_t longest, pith_grid **grid, pith_error *err)
+{
+    pith_box box = pith_box_empty();
+    uint32_t channels = 4, size[3];
+    for (size_t i = 0; i < pith_model_bodies(opened->model); ++i) {
+        pith_model *body;
+        const pith_tets *tets;
+        const pith_solid *solid;
+        PITH_TRY(pith_model_body(opened->model, i, &body, err));
+        PITH_TRY(pith_model_solid(body, &solid, err));
+        PITH_TRY(pith_model_tets(body, &tets, NULL, err));
+        const pith_tets_view view = pith_tets_look(tets);
+        for (uint32_t v = 0; v < view.vertex_count; ++v) pith_box_add(&box, view.positions[v]);
+        if (pith_solid_channels(solid) > channels) channels = pith_solid_channels(solid);
+    }
+    const pith_vec3 extent = pith_sub(box.high, box.low);
+    const double sides[3] = { extent.x, extent.y, extent.z }, spacing = fmax(fmax(extent.x, extent.y), extent.z) / longest;
+    double shift[3], bytes = sizeof(float) * channels;
+    for (int k = 0; k < 3; ++k) { /* shorter sides are rounded up and centred */
+        size[k] = (uint32_t)fmin(fmax(ceil(sides[k] / spacing - 1e-9), 1.0), longest);
+        shift[k] = 0.5 * (sides[k] - size[k] * spacing);
+        bytes *= size[k];
+    }
+    if (bytes > 8.0 * 1024 * 1024 * 1024)
+        return pith_fail(err, PITH_BAD_ARGUMENT, "%u x %u x %u voxels of %u channels are %.1f GiB, 8 GiB are allowed; ask for "
+                         "fewer with --voxels", size[0], size[1], size[2], channels, bytes / (1024.0 * 1024 * 1024));
+    PITH_TRY(pith_grid_create(size, channels, grid, err));
+    (*grid)->origin = pith_add(box.low, pith_v3(shift[0], shift[1], shift[2]));
+    (*grid)->spacing = pith_v3(spacing, spacing, spacing);
+    return PITH_OK;
+}
+
+/* What one layer of voxels needs. */
+typedef struct bake_layer {
+    pith_vec3 *centres;
+    uint32_t *tets, *cells;     /* of voxels inside the body that are still empty */
+    double (*weights)[4];
+    float *footprints, *answers;
+} bake_layer;
+
+/* Voxels of layer z that lie in this body and in none before it. */
+static size_t find_cells(const pith_grid *grid, uint32_t z, const pith_locator *locator, bake_layer *layer)
+{
+    const uint32_t cells = grid->size[0] * grid->size[1];
+    for (uint32_t c = 0; c < cells; ++c)
+        layer->centres[c] = pith_v3(grid->origin.x + grid->spacing.x * (c % grid->size[0] + 0.5),
+                                    grid->origin.y + grid->spacing.y * (c / grid->size[0] + 0.5),
+                                    grid->origin.z + grid->spacing.z * (z + 0.5));
+    pith_locator_find(locator, layer->centres, cells, 0.0, layer->tets, layer->weights);
+    size_t count = 0;
+    for (uint32_t c = 0; c < cells; ++c) {
+        const float *voxel = grid->values + ((size_t)z * cells + c) * grid->channels;
+        if (layer->tets[c] == PITH_NONE || voxel[3] > 0.0f) continue;
+        layer->centres[count] = layer->centres[c];
+        layer->tets[count] = layer->tets[c];
+        memcpy(layer->weights[count], layer->weights[c], sizeof *layer->weights);
+        layer->footprints[count] = (float)grid->spacing.x;
+        layer->cells[count++] = c;
+    }
+    return count;
+}
+
+static pith_status bake_body(pith_model *body, pith_grid *grid, bake_layer *layer, pith_error *err)
+{
+    const pith_solid *solid;
+    const pith_locator *locator;
+    PITH_TRY(pith_model_solid(body, &solid, err));
+    PITH_TRY(pith_model_locator(body, &locator, err));
+    const uint32_t cells = grid->size[0] * grid->size[1], channels = pith_solid_channels(solid);
+    for (uint32_t z = 0; z < grid->size[2]; ++z) {
+        PITH_TRY(pith_progress_step(cli_progress(), (double)z / grid->size[2], "voxels", err));
+        const size_t count = find_cells(grid, z, locator, layer);
+        const pith_query query = { .points = layer->centres, .footprints = layer->footprints, .tets = layer->tets,
+                                   .weights = (const double (*)[4])layer->weights, .count = count };
+        PITH_TRY(pith_solid_sample(solid, &query, layer->answers, err));
+        for (size_t i = 0; i < count; ++i)
+            memcpy(grid->values + ((size_t)z * cells + layer->cells[i]) * grid->channels, layer->answers + i * channels,
+                   channels * sizeof *layer->answers);
+    }
+    return PITH_OK;
+}
+
+/* Several bodies in one grid; where they overlap the first that has something there is seen, as in pith sample. */
+static pith_status bake_bodies(const cli_model *opened, uint32_t voxels, pith_grid **grid, pith_error *err)
+{
+    pith_grid *made = NULL;
+    PITH_TRY(make_grid(opened, voxels, &made, err));
+    const size_t cells = (size_t)made->size[0] * made->size[1];
+    bake_layer layer = { .centres = pith_alloc(cells, sizeof *layer.centres),
+                         .tets = pith_alloc(cells, sizeof *layer.tets),
+                         .cells = pith_alloc(cells, sizeof *layer.cells),
+                         .weights = pith_alloc(cells, sizeof *layer.weights),
+                         .footprints = pith_alloc(cells, sizeof *layer.footprints),
+                         .answers = pith_alloc(cells * made->channels, sizeof *layer.answers) };
+    pith_status status = layer.centres && layer.tets && layer.cells && layer.weights && layer.footprints && layer.answers
+                             ? PITH_OK
+                             : PITH_OUT_OF_MEMORY(err, "a layer of voxels");
+    for (size_t i = 0; status == PITH_OK && i < pith_model_bodies(opened->model); ++i) {
+        pith_model *body = NULL;
+        status = pith_model_body(opened->model, i, &body, err);
+        if (status == PITH_OK) status = bake_body(body, made, &layer, err);
+    }
+    pith_free(layer.centres);
+    pith_free(layer.tets);
+    pith_free(layer.cells);
+    pith_free(layer.weights);
+    pith_free(layer.footprints);
+    pith_free(layer.answers);
+    if (status == PITH_OK) *grid = made;
+    else pith_grid_destroy(made);
+    return status;
+}
+
+static pith_status bake_one(pith_model *body, uint32_t voxels, pith_grid **grid, pith_error *err)
 {
     const pith_solid *solid;
     const pith_tets *tets;
     const pith_locator *locator;
-    PITH_TRY(pith_model_solid(opened->model, &solid, err));
-    PITH_TRY(pith_model_tets(opened->model, &tets, NULL, err));
-    PITH_TRY(pith_model_locator(opened->model, &locator, err));
+    PITH_TRY(pith_model_solid(body, &solid, err));
+    PITH_TRY(pith_model_tets(body, &tets, NULL, err));
+    PITH_TRY(pith_model_locator(body, &locator, err));
+    return pith_bake_voxels(solid, tets, locator, voxels, cli_progress(), grid, err);
+}
+
+/* body NULL: all bodies. */
+static pith_status bake_voxels(const cli_model *opened, pith_model *body, const char *out, uint32_t voxels, bool bytes,
+                               pith_error *err)
+{
     pith_grid *grid = NULL;
-    PITH_TRY(pith_bake_voxels(solid, tets, locator, voxels, cli_progress(), &grid, err));
+    PITH_TRY(body ? bake_one(body, voxels, &grid, err) : bake_bodies(opened, voxels, &grid, err));
     const pith_status status = pith_grid_write_nrrd(grid, out, bytes ? PITH_NRRD_UCHAR_SRGB : PITH_NRRD_FLOAT, true,
                                                     err);
     pith_grid_destroy(grid);
     return status;
 }
+
+/* ---- tetrahedra --------------------------------------------------------------------------------------------------------- */
 
 /* The solid's RGBA at every vertex, in double as VTU wants it. Caller frees. */
 static pith_status vertex_colours(const pith_solid *solid, const pith_tets_view *tets, double **colours, pith_error *err)
@@ -36,25 +161,28 @@ static pith_status vertex_colours(const pith_solid *solid, const pith_tets_view 
     return status;
 }
 
-/* Tetrahedra with colour, and depth, its gradient and the secondary direction where the solid has them. */
-static pith_status bake_tets(const cli_model *opened, const char *out, pith_error *err)
+/* Tetrahedra with colour, and all the fields that the body has. */
+static pith_status bake_tets(const cli_model *opened, pith_model *body, const char *out, pith_error *err)
 {
     const pith_solid *solid;
     const pith_tets *tets;
-    const double *depth = NULL;
-    const pith_vec3 *gradient = NULL, *secondary = NULL;
-    PITH_TRY(pith_model_solid(opened->model, &solid, err));
-    PITH_TRY(pith_model_tets(opened->model, &tets, NULL, err));
-    if (strcmp(pith_solid_kind(solid), "lapped") == 0)
-        PITH_TRY(pith_model_fields(opened->model, &depth, &gradient, &secondary, err));
+    const double *depth = NULL, *scale = NULL;
+    const pith_vec3 *gradient = NULL, *secondary = NULL, *directions = NULL;
+    PITH_TRY(pith_model_solid(body, &solid, err));
+    PITH_TRY(pith_model_tets(body, &tets, NULL, err));
+    if (cli_states(opened, body, "depth")) PITH_TRY(pith_model_fields(body, &depth, &gradient, &secondary, err));
+    PITH_TRY(pith_model_directions(body, &directions, err));
+    PITH_TRY(pith_model_scale(body, &scale, err));
     const pith_tets_view view = pith_tets_look(tets);
     double *colours = NULL;
     PITH_TRY(vertex_colours(solid, &view, &colours, err));
-    pith_attribute data[4] = { { "rgba", 4, colours } };
+    pith_attribute data[6] = { { "rgba", 4, colours } };
     size_t count = 1;
     if (depth) data[count++] = (pith_attribute){ "depth", 1, depth };
     if (gradient) data[count++] = (pith_attribute){ "depth_gradient", 3, &gradient->x };
     if (secondary) data[count++] = (pith_attribute){ "secondary", 3, &secondary->x };
+    if (directions) data[count++] = (pith_attribute){ "vectors", 3, &directions->x };
+    if (scale) data[count++] = (pith_attribute){ "scale", 1, scale };
     const pith_status status = pith_tets_write_vtu(tets, data, count, NULL, 0, out, err);
     pith_free(colours);
     return status;
@@ -63,10 +191,11 @@ static pith_status bake_tets(const cli_model *opened, const char *out, pith_erro
 int verb_bake(int argc, char **argv)
 {
     cli_model_flags common = { 0 };
-    const char *out = NULL, *type = "uchar";
+    const char *out = NULL, *type = "uchar", *name = NULL;
     int voxels = 128;
     const cli_flag flags[] = {
         { "out", 'o', CLI_TEXT, &out, "FILE", ".nrrd: a gzipped grid; .vtu: the tetrahedra, for ParaView", 0, 0, NULL },
+        { "body", 0, CLI_TEXT, &name, "NAME", "of several bodies only this one; a .vtu holds one", 0, 0, NULL },
         { "voxels", 0, CLI_WHOLE, &voxels, "N", "along the longest side; default 128", 2, 2048, NULL },
         { "type", 0, CLI_TEXT, &type, "uchar|float", "8-bit sRGB, or linear 32-bit floats; default uchar", 0, 0, NULL },
         CLI_THREADS_FLAG(common), CLI_CACHE_FLAG(common),
@@ -75,8 +204,8 @@ int verb_bake(int argc, char **argv)
         .verb = "bake", .words = "DOCUMENT -o FILE", .least_words = 1, .most_words = 1, .flags = flags,
         .flag_count = sizeof flags / sizeof *flags,
         .summary = "Asks the solid at the middle of every voxel that lies inside the shape, and writes an NRRD with the\n"
-                   "shape's own coordinates. Voxels outside have opacity 0. Into a .vtu go the tetrahedra instead, with\n"
-                   "colour, depth and directions at their vertices.",
+                   "shape's own coordinates, over all bodies when there are several. Voxels outside have opacity 0. Into\n"
+                   "a .vtu go the tetrahedra of a body instead, with colour and all its fields at their vertices.",
     };
     const int code = cli_parse(&line, argc, argv);
     if (code != CLI_GO_ON) return code;
@@ -90,10 +219,15 @@ int verb_bake(int argc, char **argv)
     cli_model opened;
     const int open = cli_open("bake", line.word[0], &common, &opened);
     if (open != CLI_GO_ON) return open;
-    pith_error err;
-    const pith_status status =
-        tets ? bake_tets(&opened, out, &err) : bake_voxels(&opened, out, (uint32_t)voxels, bytes, &err);
-    const int result = status == PITH_OK ? EXIT_DONE : cli_fail("bake", &err);
+    pith_model *body = NULL;
+    int result = CLI_GO_ON;
+    if (name || tets || pith_model_bodies(opened.model) == 1) result = cli_choose_body("bake", &opened, name, &body);
+    if (result == CLI_GO_ON) {
+        pith_error err;
+        const pith_status status = tets ? bake_tets(&opened, body, out, &err)
+                                        : bake_voxels(&opened, body, out, (uint32_t)voxels, bytes, &err);
+        result = status == PITH_OK ? EXIT_DONE : cli_fail("bake", &err);
+    }
     cli_close(&opened);
     return result;
 }

@@ -106,12 +106,42 @@ static pith_status report_vtu(const char *path, json_t *report, pith_error *err)
     return PITH_OK;
 }
 
-static pith_status report_document(const cli_model *opened, json_t *report, pith_error *err)
+/* One body: its mesh and its tets. */
+static pith_status report_body(pith_model *body, json_t *report, pith_error *err)
 {
     const pith_mesh_report *mesh;
     const pith_tets_report *tets;
-    PITH_TRY(pith_model_mesh(opened->model, NULL, &mesh, err));
-    PITH_TRY(pith_model_tets(opened->model, NULL, &tets, err));
+    PITH_TRY(pith_model_mesh(body, NULL, &mesh, err));
+    PITH_TRY(pith_model_tets(body, NULL, &tets, err));
+    json_object_set_new(report, "mesh", mesh_rows(mesh));
+    json_object_set_new(report, "tets", tets_rows(tets));
+    return PITH_OK;
+}
+
+/* What the document says a body is made of. */
+static void solid_rows(rows *to, const json_t *body)
+{
+    const json_t *solids = json_object_get(body, "solids");
+    const char *chosen = json_string_value(json_object_get(body, "solid"));
+    size_t i;
+    json_t *solid;
+    json_array_foreach((json_t *)solids, i, solid) {
+        const char *name = json_string_value(json_object_get(solid, "name"));
+        if (chosen ? strcmp(name, chosen) != 0 : i != 0) continue;
+        const char *kind = json_string_value(json_object_get(solid, "kind"));
+        const char *type = json_string_value(json_object_get(solid, "type"));
+        row_text(to, "solid", name);
+        row_text(to, "kind", kind);
+        if (strcmp(kind, "lapped") == 0) row_text(to, "type", type ? type : "1-B");
+    }
+}
+
+static pith_status report_document(const cli_model *opened, json_t *report, pith_error *err)
+{
+    char *text = NULL;
+    PITH_TRY(pith_document_json(opened->document, &text, err));
+    json_t *root = json_loads(text, 0, NULL), *bodies = json_object_get(root, "bodies");
+    pith_free(text);
     rows document = { json_object() };
     row_text(&document, "title", pith_document_title(opened->document));
     for (size_t i = 0; i < pith_document_solids(opened->document); ++i) {
@@ -119,10 +149,46 @@ static pith_status report_document(const cli_model *opened, json_t *report, pith
         snprintf(name, sizeof name, "solid_%zu", i);
         row_text(&document, name, pith_document_solid_name(opened->document, i));
     }
+    json_object_set_new(document.object, "translucent", json_boolean(pith_document_translucent(opened->document)));
+    if (!bodies) solid_rows(&document, root);
     json_object_set_new(report, "document", document.object);
-    json_object_set_new(report, "mesh", mesh_rows(mesh));
-    json_object_set_new(report, "tets", tets_rows(tets));
-    return PITH_OK;
+    pith_status status = PITH_OK;
+    if (!bodies) {
+        status = report_body(opened->model, report, err);
+    } else {
+        json_t *list = json_array();
+        json_object_set_new(report, "bodies", list);
+        for (size_t i = 0; status == PITH_OK && i < json_array_size(bodies); ++i) {
+            pith_model *body = NULL;
+            rows own = { json_object() };
+            json_array_append_new(list, own.object);
+            row_text(&own, "name", pith_document_body_name(opened->document, i));
+            solid_rows(&own, json_array_get(bodies, i));
+            status = pith_model_body(opened->model, i, &body, err);
+            if (status == PITH_OK) status = report_body(body, own.object, err);
+        }
+    }
+    json_decref(root);
+    return status;
+}
+
+/* Several bodies, a line each. */
+static void print_bodies(const json_t *list)
+{
+    printf("bodies\n  %-24s %-16s %-6s %10s %12s %12s  %s\n", "name", "solid", "type", "triangles", "tetrahedra", "volume",
+           "surface");
+    size_t i;
+    json_t *body;
+    json_array_foreach((json_t *)list, i, body) {
+        const json_t *mesh = json_object_get(body, "mesh"), *tets = json_object_get(body, "tets");
+        const char *solid = json_string_value(json_object_get(body, "solid"));
+        const char *type = json_string_value(json_object_get(body, "type"));
+        printf("  %-24s %-16s %-6s %10d %12d %12.6g  %s\n", json_string_value(json_object_get(body, "name")),
+               solid ? solid : "-", type ? type : "-", (int)json_integer_value(json_object_get(mesh, "triangles")),
+               (int)json_integer_value(json_object_get(tets, "tetrahedra")),
+               json_real_value(json_object_get(tets, "volume")),
+               json_is_true(json_object_get(mesh, "closed")) ? "closed" : "not closed");
+    }
 }
 
 int verb_info(int argc, char **argv)
@@ -161,7 +227,10 @@ int verb_info(int argc, char **argv)
     if (common.json) return cli_print_json(report);
     const char *title;
     json_t *section;
-    json_object_foreach(report, title, section) print_rows(title, section);
+    json_object_foreach(report, title, section) {
+        if (json_is_array(section)) print_bodies(section);
+        else print_rows(title, section);
+    }
     json_decref(report);
     return cli_finish_output("info");
 }

@@ -40,6 +40,21 @@ size_t cli_body_of_solid(const cli_model *opened, const pith_solid *solid)
     return 0;
 }
 
+bool cli_states(const cli_model *opened, const pith_model *body, const char *key)
+{
+    char *text = NULL;
+    if (pith_document_json(opened->document, &text, NULL) != PITH_OK) return false;
+    json_t *root = json_loads(text, 0, NULL), *bodies = json_object_get(root, "bodies"), *from = root;
+    pith_free(text);
+    for (size_t i = 0; bodies && i < pith_model_bodies(opened->model); ++i) {
+        pith_model *other;
+        if (pith_model_body(opened->model, i, &other, NULL) == PITH_OK && other == body) from = json_array_get(bodies, i);
+    }
+    const bool states = json_object_get(from, key) != NULL;
+    json_decref(root);
+    return states;
+}
+
 /* ---- camera ------------------------------------------------------------------------------------------------------------ */
 
 int cli_check_camera(const char *verb, const cli_camera *flags)
