@@ -180,7 +180,7 @@ static pith_status find_body(edit *at)
         return PITH_OK;
     }
     if (!name)
-        return reader_fail(&at->in, "\"body\" is missing, and the document has several; name one, such as \"%s\"",
+        return reader_fail(&at->in, "\"body\" is missing, and the document has bodies; name one, such as \"%s\"",
                            json_string_value(json_object_get(json_array_get(bodies, 0), "name")));
     for (size_t i = 0; i < json_array_size(bodies); ++i) {
         json_t *body = json_array_get(bodies, i);
@@ -228,9 +228,8 @@ static pith_status apply_all(edit *at, const json_t *operations, pith_error *err
     if (!json_is_array(operations)) return apply_one(at, operations);
     for (size_t i = 0; i < json_array_size(operations); ++i) {
         if (i > 0) PITH_TRY(check_between(at));
-        char name[40];
-        snprintf(name, sizeof name, "operations[%zu]", i);
-        at->in = (reader){ .file = name, .base = at->path, .err = err };
+        snprintf(at->name, sizeof at->name, "operations[%zu]", i);
+        at->in = (reader){ .file = at->name, .base = at->path, .err = err };
         PITH_TRY(apply_one(at, json_array_get(operations, i)));
     }
     at->in = (reader){ .file = "operations", .err = err };

@@ -10,6 +10,7 @@ typedef struct painter {
     const pith_mesh *mesh;
     pith_mesh_view view;
     bool *chosen;           /* [triangle_count] the faces the operation is about */
+    bool *marked;           /* [triangle_count] scratch */
 } painter;
 
 static json_t *constraints_of(const edit *at)
@@ -74,19 +75,40 @@ static pith_status choose(painter *from)
     return PITH_OK;
 }
 
+/* Marks the faces that a constraint of faces is about, and no others. */
+static void mark_painted(const painter *from, const json_t *constraint, bool *marked)
+{
+    const json_t *faces = json_object_get(constraint, "faces"), *facing = json_object_get(constraint, "facing");
+    memset(marked, json_is_string(faces), from->view.triangle_count);
+    for (size_t i = 0; i < json_array_size(faces); ++i) marked[json_integer_value(json_array_get(faces, i))] = true;
+    if (!facing) return;
+    depth_value value;
+    json_options(constraint, &document_constraint_params, &value);
+    const document_facing to = { pith_unit(json_point(facing)), value.within };
+    facing_mark(&to, &from->view, marked);
+}
+
+/* Is it one of faces, by list or by where they look? */
+static bool is_painted(const json_t *constraint)
+{
+    return json_object_get(constraint, "faces") || json_object_get(constraint, "facing");
+}
+
+static double depth_of(const json_t *constraint) { return json_number_value(json_object_get(constraint, "depth")); }
+
 /* Which constraint has each face, as the index of the first one of that depth; -1: none. */
 static void label_faces(const painter *from, int32_t *labels)
 {
     const json_t *constraints = constraints_of(from->at);
     for (uint32_t f = 0; f < from->view.triangle_count; ++f) labels[f] = -1;
     for (size_t i = 0; i < json_array_size(constraints); ++i) {
-        const json_t *constraint = json_array_get(constraints, i), *faces = json_object_get(constraint, "faces");
-        const double depth = json_number_value(json_object_get(constraint, "depth"));
+        const json_t *constraint = json_array_get(constraints, i);
+        if (!is_painted(constraint)) continue;
         size_t first = 0;
-        while (json_number_value(json_object_get(json_array_get(constraints, first), "depth")) != depth) ++first;
-        for (uint32_t f = 0; json_is_string(faces) && f < from->view.triangle_count; ++f) labels[f] = (int32_t)first;
-        for (size_t k = 0; k < json_array_size(faces); ++k)
-            labels[json_integer_value(json_array_get(faces, k))] = (int32_t)first;
+        while (depth_of(json_array_get(constraints, first)) != depth_of(constraint)) ++first;
+        mark_painted(from, constraint, from->marked);
+        for (uint32_t f = 0; f < from->view.triangle_count; ++f)
+            if (from->marked[f]) labels[f] = (int32_t)first;
     }
 }
 
@@ -113,67 +135,71 @@ static pith_status flood(painter *from)
 
 /* ---- paint on and off -------------------------------------------------------------------------------------------- */
 
-/* The faces marked in `is` (or, with `is` false, those not marked), as a document has them. */
-static json_t *faces_json(painter *from, const bool *marked, bool is)
+/* Gives a constraint the marked faces, as a list. */
+static void put_faces(painter *from, json_t *constraint)
 {
     json_t *list = json_array();
     for (uint32_t f = 0; list && f < from->view.triangle_count; ++f)
-        if (marked[f] == is) edit_append(from->at, list, json_integer(f));
-    if (json_array_size(list) < from->view.triangle_count) return list;
-    json_decref(list);
-    return json_string("all");
+        if (from->marked[f]) edit_append(from->at, list, json_integer(f));
+    if (json_array_size(list) == from->view.triangle_count) {
+        json_decref(list);
+        list = json_string("all");
+    }
+    edit_put(from->at, constraint, "faces", list);
+    json_object_del(constraint, "facing");
+    json_object_del(constraint, "within");
 }
 
-/* Takes the chosen faces out of a constraint; false when none are left in it. */
+/* Takes the chosen faces out of a constraint; false when that was all it had. */
 static bool take_out(painter *from, json_t *constraint)
 {
-    const json_t *faces = json_object_get(constraint, "faces");
-    json_t *left = NULL;
-    if (json_is_string(faces)) {
-        left = faces_json(from, from->chosen, false);
-    } else {
-        left = json_array();
-        for (size_t i = 0; i < json_array_size(faces); ++i) {
-            json_t *face = json_array_get(faces, i);
-            if (!from->chosen[json_integer_value(face)]) edit_append(from->at, left, json_incref(face));
-        }
+    size_t taken = 0, left = 0;
+    mark_painted(from, constraint, from->marked);
+    for (uint32_t f = 0; f < from->view.triangle_count; ++f) {
+        if (!from->marked[f]) continue;
+        from->marked[f] = !from->chosen[f];
+        ++*(from->chosen[f] ? &taken : &left);
     }
-    const bool any = json_is_string(left) || json_array_size(left) > 0;
-    edit_put(from->at, constraint, "faces", left);
-    return any;
+    if (taken > 0 && left > 0) put_faces(from, constraint);
+    return left > 0 || taken == 0;
 }
 
-/* Adds the chosen faces to a constraint. */
-static void join(painter *from, json_t *constraint)
+/* Joins the chosen faces to the first constraint of that depth, or to a new one. Those that have it need not. */
+static void join(painter *from, json_t *list, const json_t *depth)
 {
-    const json_t *faces = json_object_get(constraint, "faces");
-    if (json_is_string(faces)) return;
-    for (size_t i = 0; i < json_array_size(faces); ++i)
-        from->chosen[json_integer_value(json_array_get(faces, i))] = true;
-    edit_put(from->at, constraint, "faces", faces_json(from, from->chosen, true));
+    json_t *first = NULL;
+    for (size_t i = json_array_size(list); i-- > 0;) {
+        json_t *constraint = json_array_get(list, i);
+        if (!is_painted(constraint) || depth_of(constraint) != json_number_value(depth)) continue;
+        first = constraint;
+        mark_painted(from, constraint, from->marked);
+        for (uint32_t f = 0; f < from->view.triangle_count; ++f) from->chosen[f] &= !from->marked[f];
+    }
+    if (!memchr(from->chosen, true, from->view.triangle_count)) return;
+    if (first) mark_painted(from, first, from->marked);
+    else memset(from->marked, false, from->view.triangle_count);
+    for (uint32_t f = 0; f < from->view.triangle_count; ++f) from->marked[f] |= from->chosen[f];
+    if (!first) {
+        edit_append(from->at, list, json_pack("{sO}", "depth", depth));
+        first = json_array_get(list, json_array_size(list) - 1);
+    }
+    put_faces(from, first);
 }
 
-/* Gives the chosen faces this depth; NULL: none. */
+/* Gives the chosen faces this depth; NULL: none. They are taken out of what has another. */
 static void paint(painter *from, const json_t *depth)
 {
-    json_t *holder = depth ? edit_child(from->at, from->at->body, "depth", json_object)
-                           : json_object_get(from->at->body, "depth");
-    json_t *constraints = depth ? edit_child(from->at, holder, "constraints", json_array) : constraints_of(from->at);
-    json_t *same = NULL;
-    for (size_t i = 0; i < json_array_size(constraints);) {
-        json_t *constraint = json_array_get(constraints, i);
-        const bool faces = json_object_get(constraint, "faces") != NULL;
-        const bool alike = faces && depth && !same && json_number_value(json_object_get(constraint, "depth")) ==
-                                                          json_number_value(depth);
-        if (alike) same = constraint;
-        if (!faces || alike || take_out(from, constraint)) ++i;
-        else json_array_remove(constraints, i);
+    edit *at = from->at;
+    if (depth) edit_child(at, edit_child(at, at->body, "depth", json_object), "constraints", json_array);
+    json_t *list = constraints_of(at);
+    for (size_t i = 0; i < json_array_size(list);) {
+        json_t *constraint = json_array_get(list, i);
+        const bool other = is_painted(constraint) && !(depth && depth_of(constraint) == json_number_value(depth));
+        if (!other || take_out(from, constraint)) ++i;
+        else json_array_remove(list, i);
     }
-    if (same) join(from, same);
-    else if (depth)
-        edit_append(from->at, constraints, json_pack("{so sO}", "faces", faces_json(from, from->chosen, true), "depth",
-                                                     depth));
-    else if (holder && json_array_size(constraints) == 0) edit_drop_list(from->at->body, "depth", "constraints");
+    if (depth) join(from, list, depth);
+    else if (list && json_array_size(list) == 0) edit_drop_list(at->body, "depth", "constraints");
 }
 
 /* ---- operations -------------------------------------------------------------------------------------------------- */
@@ -201,11 +227,13 @@ static pith_status with_faces(edit *at, pith_status (*select)(painter *from))
     PITH_TRY(edit_mesh(at, &from.mesh));
     from.view = pith_mesh_look(from.mesh);
     from.chosen = pith_alloc(from.view.triangle_count, sizeof *from.chosen);
-    if (!from.chosen) return PITH_OUT_OF_MEMORY(at->in.err, "painted faces");
-    pith_status status = check_painted(&from);
+    from.marked = pith_alloc(from.view.triangle_count, sizeof *from.marked);
+    pith_status status = from.chosen && from.marked ? check_painted(&from)
+                                                    : PITH_OUT_OF_MEMORY(at->in.err, "painted faces");
     if (status == PITH_OK) status = select(&from);
     if (status == PITH_OK) paint(&from, json_object_get(at->asked, "depth"));
     pith_free(from.chosen);
+    pith_free(from.marked);
     return status;
 }
 

@@ -14,6 +14,7 @@ struct edit {
     bool loose;             /* something was put into root that no grammar has seen */
     /* The operation at hand. */
     reader in;              /* stands at it */
+    char name[40];          /* what messages call it, in a list */
     const document_operation *how;
     json_t *asked;          /* it, without "op"; follows its grammar */
     json_t *body;           /* the object in root that it is about; NULL: it is about no body */

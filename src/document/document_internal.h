@@ -163,6 +163,8 @@ typedef struct document_scale {
 
 /* Triangles by where they look: those whose normals are within so many degrees of the direction, which is unit. */
 typedef struct document_facing { pith_vec3 direction; double within; } document_facing;
+/* Marks those [triangle_count], and no others; says how many. */
+size_t facing_mark(const document_facing *to, const pith_mesh_view *mesh, bool *marked);
 
 /* One body: what stands at the top level of a document, or in an entry of its "bodies". */
 typedef struct document_body {

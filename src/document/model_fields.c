@@ -20,11 +20,8 @@ static pith_status choose_listed(const pith_model *model, size_t i, const pith_m
     return PITH_OK;
 }
 
-/* The same for one that says where its triangles look. */
-static pith_status choose_facing(const pith_model *model, size_t i, const pith_mesh_view *mesh, bool *chosen,
-                                 pith_error *err)
+size_t facing_mark(const document_facing *to, const pith_mesh_view *mesh, bool *marked)
 {
-    const document_facing *to = &model->body->facing[i];
     const double least = cos(to->within * M_PI / 180.0);
     size_t count = 0;
     for (uint32_t t = 0; t < mesh->triangle_count; ++t) {
@@ -33,10 +30,18 @@ static pith_status choose_facing(const pith_model *model, size_t i, const pith_m
         const pith_vec3 across = pith_cross(pith_sub(mesh->positions[corner[1]], a),
                                             pith_sub(mesh->positions[corner[2]], a));
         const double size = pith_length(across);
-        chosen[t] = size > 0.0 && pith_dot(across, to->direction) >= least * size;
-        count += chosen[t];
+        marked[t] = size > 0.0 && pith_dot(across, to->direction) >= least * size;
+        count += marked[t];
     }
-    if (count > 0) return PITH_OK;
+    return count;
+}
+
+/* The same for one that says where its triangles look. */
+static pith_status choose_facing(const pith_model *model, size_t i, const pith_mesh_view *mesh, bool *chosen,
+                                 pith_error *err)
+{
+    const document_facing *to = &model->body->facing[i];
+    if (facing_mark(to, mesh, chosen) > 0) return PITH_OK;
     return pith_fail(err, PITH_BAD_DOCUMENT, "%s: %sdepth.constraints[%zu].facing: no triangle faces [%g, %g, %g] within "
                      "%g degrees; turn it, or make \"within\" larger", model->document->path, model->body->place, i,
                      to->direction.x, to->direction.y, to->direction.z, to->within);
