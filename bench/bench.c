@@ -45,6 +45,21 @@ double bench_min(const bench_times *times)
     return least;
 }
 
+pith_status bench_load(const char *path, void (*change)(json_t *root, const void *user), const void *user,
+                       pith_document **document, pith_error *err)
+{
+    json_error_t problem;
+    json_t *root = json_load_file(path, 0, &problem);
+    if (!root) return pith_fail(err, PITH_BAD_FILE, "%s: line %d: %s", path, problem.line, problem.text);
+    change(root, user);
+    char *text = json_dumps(root, 0);
+    json_decref(root);
+    if (!text) return pith_fail(err, PITH_NO_MEMORY, "out of memory for a document");
+    const pith_status status = pith_document_parse(path, text, strlen(text), document, err);
+    free(text);
+    return status;
+}
+
 void bench_reset_peak(void)
 {
     FILE *file = fopen("/proc/self/clear_refs", "w");

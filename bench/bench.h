@@ -15,11 +15,21 @@ typedef struct bench_options {
 typedef pith_status bench_run(const bench_options *options, json_t *cases, pith_error *err);
 bench_run bench_lapped, bench_fields, bench_render, bench_volume, bench_cut, bench_blend;
 
+/* Accuracy of orientations recovered from strokes; part of bench_fields. */
+bench_run bench_orientation;
+/* A closed surface: the profile (radius, height), from axis to axis, turned about z; and a cylinder of radius 1. */
+pith_status bench_revolve(const double (*profile)[2], uint32_t count, uint32_t sides, pith_mesh **mesh, pith_error *err);
+pith_status bench_cylinder(uint32_t rings, uint32_t sides, pith_mesh **mesh, pith_error *err);
+
 /* Times of repeated runs. */
 typedef struct bench_times { double seconds[64]; int count; } bench_times;
 void bench_add(bench_times *times, double seconds);
 double bench_min(const bench_times *times);
 double bench_median(const bench_times *times);
+
+/* A document as its file has it, but for what `change` does to its JSON. */
+pith_status bench_load(const char *path, void (*change)(json_t *root, const void *user), const void *user,
+                       pith_document **document, pith_error *err);
 
 /* Largest resident set since the last reset, bytes (of the whole process where the system cannot reset it). */
 void bench_reset_peak(void);

@@ -3,29 +3,18 @@
    where patches overlap stands beside the contrast where one lies alone. */
 #include "bench.h"
 
-#include <stdlib.h>
-#include <string.h>
-
 enum { CONTRAST_POINTS = 400000, SAMPLE_POINTS = 500000 };
 
 typedef struct way { const char *name, *blend, *boundary; int align; } way;
 
-/* The document with another way of blending in its first solid. */
-static pith_status load_way(const char *path, const way *as, pith_document **document, pith_error *err)
+/* Another way of blending in the document's first solid. */
+static void set_way(json_t *root, const void *user)
 {
-    json_error_t problem;
-    json_t *root = json_load_file(path, 0, &problem);
-    if (!root) return pith_fail(err, PITH_BAD_FILE, "%s: line %d: %s", path, problem.line, problem.text);
+    const way *as = user;
     json_t *solid = json_array_get(json_object_get(root, "solids"), 0);
     json_object_set_new(solid, "blend", json_string(as->blend));
     json_object_set_new(solid, "boundary", json_string(as->boundary));
     json_object_set_new(solid, "align", json_integer(as->align));
-    char *text = json_dumps(root, 0);
-    json_decref(root);
-    if (!text) return pith_fail(err, PITH_NO_MEMORY, "out of memory for a document");
-    const pith_status status = pith_document_parse(path, text, strlen(text), document, err);
-    free(text);
-    return status;
 }
 
 /* Points per second in a picture's order: tets one after another, their place known. */
@@ -67,7 +56,7 @@ static pith_status run_way(const char *name, const char *path, const way *as, co
     char title[100];
     snprintf(title, sizeof title, "%s, %s", name, as->name);
     pith_document *document = NULL;
-    PITH_TRY(load_way(path, as, &document, err));
+    PITH_TRY(bench_load(path, set_way, as, &document, err));
     pith_model *model = NULL;
     const pith_solid *solid = NULL;
     pith_contrast contrast = { 0 };

@@ -3,29 +3,20 @@
    tetrahedra). */
 #include "bench.h"
 
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 enum { SAMPLE_COUNT = 1000000, CUT_COUNT = 50 };
 
-/* The document with its number of tetrahedra and the fineness of its fruit changed; 0: as it is. */
-static pith_status load_changed(const char *path, int tetrahedra, int detail, pith_document **document, pith_error *err)
+/* How many tetrahedra, and how fine the fruit's surface; 0: as the document has it. */
+typedef struct fineness { int tetrahedra, detail; } fineness;
+
+static void set_fineness(json_t *root, const void *user)
 {
-    json_error_t problem;
-    json_t *root = json_load_file(path, 0, &problem);
-    if (!root) return pith_fail(err, PITH_BAD_FILE, "%s: line %d: %s", path, problem.line, problem.text);
+    const fineness *as = user;
     json_t *shape = json_object_get(root, "shape");
-    if (tetrahedra > 0) {
-        json_object_set_new(shape, "tets", json_pack("{si}", "tetrahedra", tetrahedra));
-        json_object_set_new(json_object_get(shape, "fruit"), "detail", json_integer(detail));
-    }
-    char *text = json_dumps(root, 0);
-    json_decref(root);
-    if (!text) return pith_fail(err, PITH_NO_MEMORY, "out of memory for a document");
-    const pith_status status = pith_document_parse(path, text, strlen(text), document, err);
-    free(text);
-    return status;
+    if (as->tetrahedra == 0) return;
+    json_object_set_new(shape, "tets", json_pack("{si}", "tetrahedra", as->tetrahedra));
+    json_object_set_new(json_object_get(shape, "fruit"), "detail", json_integer(as->detail));
 }
 
 /* ---- cutting ------------------------------------------------------------------------------------------------------------- */
@@ -244,17 +235,17 @@ static pith_status report_fill(pith_model *model, json_t *row, pith_error *err)
     return PITH_OK;
 }
 
-static pith_status run_case(const char *name, const char *path, int tetrahedra, int detail, const bench_options *options,
-                            json_t *cases, pith_error *err)
+static pith_status run_case(const char *name, const char *path, fineness as, const bench_options *options, json_t *cases,
+                            pith_error *err)
 {
     char saved[200];
     snprintf(saved, sizeof saved, "/tmp/pith-bench-%ld.pithc", (long)getpid());
     pith_document *document = NULL;
-    PITH_TRY(load_changed(path, tetrahedra, detail, &document, err));
+    PITH_TRY(bench_load(path, set_fineness, &as, &document, err));
     json_t *row = json_pack("{ss}", "name", name);
     pith_model *model = NULL;
     bench_reset_peak();
-    const int repeats = tetrahedra > 50000 ? 1 : options->repeats;
+    const int repeats = as.tetrahedra > 50000 ? 1 : options->repeats;
     pith_status status = build(document, saved, repeats, &model, row, err);
     if (status == PITH_OK) {
         const double peak = bench_peak();
@@ -275,7 +266,7 @@ pith_status bench_lapped(const bench_options *options, json_t *cases, pith_error
 {
     static const char *const models[] = { "kiwi", "carrot", "tree", "watermelon", "tube", "strata", "cake", "kiwi_bunny" };
     /* The fruit's surface gets finer with its inside, so that tets stay of one size. */
-    static const struct { int tetrahedra, detail; } curve[] = {
+    static const fineness curve[] = {
         { 5000, 3 }, { 20000, 4 }, { 50000, 4 }, { 100000, 5 }, { 200000, 5 }, { 500000, 6 },
     };
     char path[1000], name[60], file[80];
@@ -283,14 +274,14 @@ pith_status bench_lapped(const bench_options *options, json_t *cases, pith_error
         snprintf(file, sizeof file, "%s.pith", models[i]);
         if (!cli_find_example(file, path, sizeof path))
             return pith_fail(err, PITH_IO, "the example %s is not beside the program nor where its source was", file);
-        PITH_TRY(run_case(models[i], path, 0, 0, options, cases, err));
+        PITH_TRY(run_case(models[i], path, (fineness){ 0, 0 }, options, cases, err));
     }
     if (!options->curve) return PITH_OK;
     if (!cli_find_example("kiwi.pith", path, sizeof path))
         return pith_fail(err, PITH_IO, "the example kiwi.pith is not beside the program nor where its source was");
     for (size_t i = 0; i < sizeof curve / sizeof *curve && curve[i].tetrahedra <= options->largest; ++i) {
         snprintf(name, sizeof name, "kiwi at %d", curve[i].tetrahedra);
-        PITH_TRY(run_case(name, path, curve[i].tetrahedra, curve[i].detail, options, cases, err));
+        PITH_TRY(run_case(name, path, curve[i], options, cases, err));
     }
     return PITH_OK;
 }
