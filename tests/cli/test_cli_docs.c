@@ -37,11 +37,20 @@ static void test_the_tutorial(void **state)
     CHECK_AT_LEAST(run_page("docs/tutorial/1_first_cut.md"), 4);
 }
 
+static void test_cuts_and_volumes(void **state)
+{
+    (void)state;
+    CHECK_AT_LEAST(run_page("docs/cuts.md"), 4);
+    CHECK_RUN(0, "test -f caps-2.ply -a ! -f caps-3.ply");
+    CHECK_AT_LEAST(run_page("docs/volumes.md"), 3);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_the_readme),
         cmocka_unit_test(test_the_tutorial),
+        cmocka_unit_test(test_cuts_and_volumes),
     };
     return cmocka_run_group_tests(tests, run_set_up, run_tear_down);
 }
