@@ -64,9 +64,13 @@ static pith_status draw_on_skin(muscle *m, pith_error *err)
     return pith_tangent_field_solve(m->on_skin, strokes, STROKES, m->tangents, err);
 }
 
-/* 3. Into the volume, on voxels: what the skin says, and one stroke inside, straight up the axis. */
+/* 3. Into the volume, on voxels: what the side says, and one stroke inside, straight up the axis. At both ends a vector of
+   zero says nothing: there the fibres may run out of the body. */
 static pith_status spread_inside(muscle *m, pith_error *err)
 {
+    const pith_mesh_view skin = pith_mesh_look(m->skin);
+    for (uint32_t v = 0; v < skin.vertex_count; ++v)
+        if (fabs(skin.positions[v].z) > 0.999 * half_height) m->tangents[v] = pith_v3(0, 0, 0);
     const pith_vec3 axis[] = { { 0, 0, -0.8 * half_height }, { 0, 0, 0.8 * half_height } };
     const pith_stroke stroke = { axis, 2 };
     const pith_volume_field_options options = pith_volume_field_options_default();
