@@ -56,7 +56,9 @@ bool pith_document_camera(const pith_document *document, pith_camera *camera);
  *  a list of them, in order, all or none: only what comes out at the end is checked as a whole. What an editor's tools
  *  do; docs/document.md lists them all. Makes a new document, checked as when loaded; the old one stays as it is: undoing
  *  is keeping it. `operation` is text of `size` bytes; refusals name the place inside it ("operation: depth: …",
- *  "operations[2]: face: …"), or in the document that would come out. Operations with faces make the body's mesh. */
+ *  "operations[2]: face: …"), or in the document that would come out. Operations with faces make the body's mesh, and
+ *  documents that were painted keep it for the next: it is read again when the shape says something else, not when only
+ *  its file has changed. */
 pith_status pith_document_apply(const pith_document *document, const char *operation, size_t size,
                                 pith_document **edited, pith_error *err);
 /** Every operation as Markdown tables. Caller frees with pith_free. */

@@ -4,7 +4,7 @@
 #include <errno.h>
 #include <string.h>
 
-/* ---- what is asked ----------------------------------------------------------------------------------------------------- */
+/* ---- what is asked ----------------------------------------------------------------------------------------------- */
 
 /* The whole standard input; the caller frees it. */
 static pith_status read_input(char **text, size_t *size, pith_error *err)
@@ -60,7 +60,7 @@ static pith_status apply_all(pith_document **document, const char *path, const c
     return PITH_OK;
 }
 
-/* ---- what changed ------------------------------------------------------------------------------------------------------ */
+/* ---- what changed ------------------------------------------------------------------------------------------------ */
 
 /* A value in short: itself, or how many entries it has. */
 static json_t *in_short(const json_t *value)
@@ -122,7 +122,7 @@ static json_t *report_of(const char *out, const char *was, const char *is)
     return json_pack("{ss so}", "file", out, "changed", changes);
 }
 
-/* ---- the verb ---------------------------------------------------------------------------------------------------------- */
+/* ---- the verb ---------------------------------------------------------------------------------------------------- */
 
 /* A document moved to another folder must still find its files there. */
 static pith_status check_there(const char *out, const char *text, pith_error *err)
@@ -170,7 +170,8 @@ int verb_apply(int argc, char **argv)
     cli_texts given = { .count = 0 };
     bool json = false, operations = false;
     const cli_flag flags[] = {
-        { "op", 0, CLI_TEXTS, &given, "JSON", "an operation, or a list of them; may be given several times", 0, 0, NULL },
+        { "op", 0, CLI_TEXTS, &given, "JSON", "an operation, or a list of them; may be given up to 8 times", 0, 0,
+          NULL },
         { "out", 'o', CLI_TEXT, &out, "FILE", "where the edited document goes; default: in place of DOCUMENT", 0, 0,
           NULL },
         { "operations", 0, CLI_SWITCH, &operations, NULL, "print every operation as Markdown tables", 0, 0, NULL },
@@ -179,9 +180,10 @@ int verb_apply(int argc, char **argv)
     cli_line line = {
         .verb = "apply", .words = "DOCUMENT [OPERATIONS|-]", .least_words = 0, .most_words = 2, .flags = flags,
         .flag_count = sizeof flags / sizeof *flags,
-        .summary = "Edits a document by operations, as an editor's tools do: {\"op\": \"depth.fill\", \"face\": 12, \"depth\": 0.5}.\n"
-                   "OPERATIONS is a JSON file with one or a list of them, - the standard input; then those of --op follow.\n"
-                   "What comes out is checked like any document. When anything is refused, nothing is written.",
+        .summary = "Edits a document by operations, as an editor's tools do, such as\n"
+                   "{\"op\": \"depth.fill\", \"face\": 12, \"depth\": 0.5}. OPERATIONS is a JSON file with one or a\n"
+                   "list of them, - the standard input; those of --op follow. What comes out is checked like any\n"
+                   "document. When anything is refused, nothing is written.",
     };
     const int code = cli_parse(&line, argc, argv);
     if (code != CLI_GO_ON) return code;

@@ -81,62 +81,6 @@ pith_status edit_index(const edit *at, const json_t *list, const char *what, siz
     return PITH_OK;
 }
 
-/* ---- the body's mesh --------------------------------------------------------------------------------------------- */
-
-static void forget_shape(edit *at)
-{
-    pith_model_destroy(at->shape_model);
-    pith_document_destroy(at->shape_document);
-    json_decref(at->shape);
-    at->shape_model = NULL;
-    at->shape_document = NULL;
-    at->shape = NULL;
-}
-
-/* A document of nothing but the body's surface: what else the body has may be in the middle of being edited. Takes the
-   shape over, also when it fails. */
-static pith_status open_shape(edit *at, json_t *shape)
-{
-    at->shape = shape;
-    json_t *alone = json_pack("{si sO}", "pith", 1, "shape", shape);
-    text_buffer buffer = { .failed = !alone };
-    if (alone) text_add_json(&buffer, alone, 0);
-    json_decref(alone);
-    pith_status status = buffer.failed ? PITH_OUT_OF_MEMORY(at->in.err, "a shape")
-                                       : pith_document_parse(at->path, buffer.text, buffer.length, &at->shape_document,
-                                                             at->in.err);
-    pith_free(buffer.text);
-    const pith_model_options options = { .cache = false };
-    if (status == PITH_OK)
-        status = pith_model_create(at->shape_document, &options, NULL, &at->shape_model, at->in.err);
-    return status;
-}
-
-pith_status edit_mesh(edit *at, const pith_mesh **mesh)
-{
-    static const char *const forms[] = { "mesh", "fruit", "slab" };
-    json_t *shape = json_object(); /* not its tets: they leave the faces as they are */
-    for (size_t i = 0; i < sizeof forms / sizeof *forms; ++i) {
-        const json_t *form = json_object_get(json_object_get(at->body, "shape"), forms[i]);
-        if (form) edit_put(at, shape, forms[i], json_deep_copy(form));
-    }
-    if (!shape || at->failed) {
-        json_decref(shape);
-        return PITH_OUT_OF_MEMORY(at->in.err, "a shape");
-    }
-    pith_status status = PITH_OK;
-    if (at->shape_model && json_equal(shape, at->shape)) {
-        json_decref(shape);
-    } else {
-        forget_shape(at);
-        status = open_shape(at, shape);
-    }
-    if (status == PITH_OK) status = pith_model_mesh(at->shape_model, mesh, NULL, at->in.err);
-    if (status == PITH_OK) return PITH_OK;
-    forget_shape(at);
-    return pith_fail_in(at->in.err, status, "%s", at->in.file);
-}
-
 /* ---- one operation ----------------------------------------------------------------------------------------------- */
 
 static pith_status find_operation(edit *at, const json_t *asked)
@@ -253,6 +197,7 @@ static pith_status check_result(const edit *at, pith_document **edited)
     }
     json_decref(made->root);
     made->root = ordered;
+    made->mesh = kept_mesh_hold(at->mesh);
     *edited = made;
     return PITH_OK;
 }
@@ -262,10 +207,11 @@ pith_status pith_document_apply(const pith_document *document, const char *opera
 {
     json_t *asked = NULL;
     PITH_TRY(json_read("operation", operation, size, &asked, err));
-    edit at = { .path = document->path, .root = json_deep_copy(document->root) };
+    edit at = { .path = document->path, .root = json_deep_copy(document->root),
+                .mesh = kept_mesh_hold(document->mesh) };
     pith_status status = at.root ? apply_all(&at, asked, err) : PITH_OUT_OF_MEMORY(err, "an edited document");
     if (status == PITH_OK) status = check_result(&at, edited);
-    forget_shape(&at);
+    kept_mesh_release(at.mesh);
     json_decref(at.root);
     json_decref(asked);
     return status;

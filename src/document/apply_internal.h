@@ -1,5 +1,6 @@
 /* Operations on documents from the inside. apply.c reads them and checks what comes of them, operations.c is their
-   table, apply_depth.c paints, apply_lists.c adds to lists and takes from them, apply_path.c reaches every key. */
+   table, apply_depth.c paints, apply_lists.c adds to lists and takes from them, apply_path.c reaches every key,
+   apply_mesh.c makes the mesh that faces are counted in. */
 #ifndef PITH_APPLY_INTERNAL_H
 #define PITH_APPLY_INTERNAL_H
 
@@ -18,10 +19,7 @@ struct edit {
     const document_operation *how;
     json_t *asked;          /* it, without "op"; follows its grammar */
     json_t *body;           /* the object in root that it is about; NULL: it is about no body */
-    /* The shape last asked for, as a document and model of its own. */
-    json_t *shape;
-    pith_document *shape_document;
-    pith_model *shape_model;
+    kept_mesh *mesh;        /* the one last asked for, or NULL */
 };
 
 /* Takes the value over, also when it is NULL or cannot be put there. */
@@ -39,7 +37,7 @@ pith_status edit_index(const edit *at, const json_t *list, const char *what, siz
 pith_status edit_refuse(const edit *at, const char *key, const char *format, ...) __attribute__((format(printf, 3, 4)));
 /* Refuses a name that none of `list` (objects with a "name") has, and lists those there are. what: "body". */
 pith_status edit_refuse_name(const edit *at, const char *key, const char *what, const char *name, const json_t *list);
-/* The cleaned mesh of the body: the one face indices are about. Lives until the next call. */
+/* The cleaned mesh of the body: the one face indices are about. Lives until the next operation. */
 pith_status edit_mesh(edit *at, const pith_mesh **mesh);
 
 /* What operations do; each stands in the table in operations.c. */

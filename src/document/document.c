@@ -203,6 +203,7 @@ void pith_document_destroy(pith_document *document)
 {
     if (!document) return;
     for (size_t i = 0; i < document->body_count; ++i) body_clear(&document->bodies[i]);
+    kept_mesh_release(document->mesh);
     json_decref(document->root);
     arena_clear(&document->memory);
     pith_free(document);

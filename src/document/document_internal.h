@@ -202,8 +202,15 @@ typedef struct document_camera {
 
 enum { MOST_BODIES = 1000, MOST_PASTES = 1000 };
 
+/* The cleaned mesh of a shape that operations asked for. A document made by operations keeps it for the next one;
+   documents share it, from several threads too, and nobody changes it. */
+typedef struct kept_mesh kept_mesh;
+kept_mesh *kept_mesh_hold(kept_mesh *shared);   /* NULL is allowed, in both */
+void kept_mesh_release(kept_mesh *shared);
+
 struct pith_document {
     arena memory;
+    kept_mesh *mesh;                /* of the body last painted; NULL before */
     json_t *root;
     const char *path, *title;
     document_body *bodies;          /* [body_count], at least one */

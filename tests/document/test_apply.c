@@ -85,7 +85,12 @@ static bool refused(const pith_document *document, const char *operation, const 
 
 enum { MOST_FACES = 5000 };
 typedef enum facing { TOP, BOTTOM, SIDE } facing;
-typedef struct slab_faces { pith_mesh *mesh; pith_mesh_view view; facing facing[MOST_FACES]; uint32_t first[3]; } slab_faces;
+typedef struct slab_faces {
+    pith_mesh *mesh;
+    pith_mesh_view view;
+    facing facing[MOST_FACES];
+    uint32_t first[3];          /* the first face that looks so */
+} slab_faces;
 
 static pith_vec3 corner_of(const slab_faces *slab, uint32_t face, int k)
 {
@@ -220,8 +225,8 @@ static void test_the_depth_field_of_what_was_painted(void **state)
 {
     (void)state;
     slab_faces slab = slab_make();
-    pith_document *d = parsed("{ \"pith\": 1, " SLAB ", \"depth\": { \"constraints\": [ { \"faces\": \"all\", \"depth\": 1 }"
-                              " ] } }");
+    pith_document *d = parsed("{ \"pith\": 1, " SLAB ", \"depth\": { \"constraints\": ["
+                              " { \"faces\": \"all\", \"depth\": 1 } ] } }");
     apply_to(&d, op_text("{\"op\": \"depth.fill\", \"face\": %u, \"depth\": 0.5}", slab.first[TOP]));
     apply_to(&d, op_text("{\"op\": \"depth.fill\", \"face\": %u, \"depth\": 0}", slab.first[TOP]));
     apply_to(&d, op_text("{\"op\": \"depth.fill\", \"face\": %u, \"depth\": 0.5}", slab.first[SIDE]));
@@ -252,6 +257,28 @@ static void test_the_depth_field_of_what_was_painted(void **state)
     pith_mesh_destroy(slab.mesh);
 }
 
+/* The mesh is made once, and anew when the shape is another, between operations and within a list of them. */
+static void test_faces_are_those_of_the_shape_there_is(void **state)
+{
+    (void)state;
+    static const char coarser[] = "{\"op\": \"set\", \"path\": \"shape.fruit.detail\", \"value\": 0}";
+    pith_document *d = parsed("{ \"pith\": 1, \"shape\": { \"fruit\": { \"detail\": 1 } } }"), *e, *f;
+    e = applied(d, "{\"op\": \"depth.face\", \"face\": 79, \"depth\": 1}"); /* 20 * 4^detail triangles */
+    assert_non_null(e->mesh);
+    f = applied(e, "{\"op\": \"depth.face\", \"face\": 78, \"depth\": 1}");
+    assert_ptr_equal(e->mesh, f->mesh);
+    assert_true(refused(f, op_text("[%s, {\"op\": \"depth.erase\", \"face\": 19}]", coarser),
+                        "operations[1]: kiwi.pith: depth.constraints[0].faces[0]: is 78, but the cleaned mesh has 20"));
+    apply_to(&f, coarser);
+    assert_true(refused(f, "{\"op\": \"depth.erase\", \"face\": 20}",
+                        "operation: kiwi.pith: depth.constraints[0].faces[0]: is 78, but the cleaned mesh has 20"));
+    apply_to(&f, "{\"op\": \"remove\", \"path\": \"depth\"}");
+    assert_true(refused(f, "{\"op\": \"depth.erase\", \"face\": 20}", "operation: face: is 20, but the cleaned mesh"));
+    pith_document_destroy(d);
+    pith_document_destroy(e);
+    pith_document_destroy(f);
+}
+
 /* Faces told by where they look are painted over like others; those nobody touches stay as they are written. */
 static void test_painting_over_faces_told_by_direction(void **state)
 {
@@ -260,7 +287,8 @@ static void test_painting_over_faces_told_by_direction(void **state)
     pith_document *d = parsed("{ \"pith\": 1, " SLAB ", \"depth\": { \"constraints\": ["
                               " { \"facing\": [0, 0, 1], \"depth\": 0 },"
                               " { \"facing\": [0, 0, -2], \"within\": 30, \"depth\": 1 } ] } }"), *e;
-    e = applied(d, op_text("{\"op\": \"depth.fill\", \"face\": %u, \"depth\": 0.5, \"crease\": 180}", slab.first[SIDE]));
+    e = applied(d, op_text("{\"op\": \"depth.fill\", \"face\": %u, \"depth\": 0.5, \"crease\": 180}",
+                           slab.first[SIDE]));
     check_faces(e, 2, 0.5, &slab, 1 << SIDE, PITH_NONE);
     check_json(json_array_get(constraints_of(e), 0), "{\"facing\": [0, 0, 1], \"depth\": 0}", "untouched");
     pith_document_destroy(e);
@@ -309,8 +337,8 @@ static void test_a_ray_picks_the_face(void **state)
             check_json(constraints_of(e), op_text("[{\"faces\": [%u], \"depth\": 0.5}]", expected), "a ray");
             pith_document_destroy(e);
         }
-    pith_document *e = applied(d, "{\"op\": \"depth.fill\", \"ray\": { \"origin\": [5, 0.1, 0], \"direction\": [-1, 0, 0] },"
-                                  " \"depth\": 0.5}");
+    pith_document *e = applied(d, "{\"op\": \"depth.fill\", \"ray\": { \"origin\": [5, 0.1, 0],"
+                                  " \"direction\": [-1, 0, 0] }, \"depth\": 0.5}");
     check_faces(e, 0, 0.5, &slab, 1 << SIDE, PITH_NONE);
     pith_document_destroy(e);
     assert_true(refused(d, "{\"op\": \"depth.face\", \"ray\": { \"origin\": [5, 0, 0], \"direction\": [1, 0, 0] },"
@@ -364,13 +392,16 @@ static const effect effects[] = {
             " {\"op\": \"scale.point\", \"point\": [0, 0, 1], \"size\": 0.25},"
             " {\"op\": \"scale.point\", \"point\": [0, 0.0, 0], \"size\": 0.75}]", "scale",
       "{ \"points\": [ { \"point\": [0, 0, 0], \"size\": 0.75 }, { \"point\": [0, 0, 1], \"size\": 0.25 } ] }" },
-    { BARE, "[{\"op\": \"scale.point\", \"point\": [0, 0, 0], \"size\": 0.5}, {\"op\": \"scale.clear\"}]", "scale", NULL },
+    { BARE, "[{\"op\": \"scale.point\", \"point\": [0, 0, 0], \"size\": 0.5}, {\"op\": \"scale.clear\"}]", "scale",
+      NULL },
     { FULL, ADD_PASTE, "solids",
-      "[ " ROCK ", \"pastes\": [ { " PASTE ", \"size\": 0.3 } ], \"type\": \"1-A\" }, " CRUMB ", \"type\": \"1-A\" } ]" },
+      "[ " ROCK ", \"pastes\": [ { " PASTE ", \"size\": 0.3 } ], \"type\": \"1-A\" }, " CRUMB
+      ", \"type\": \"1-A\" } ]" },
     { FULL, "{\"op\": \"paste.add\", \"solid\": \"crumb\", " PASTE ", \"size\": 0.3, \"drop_off\": 0}", "solids",
       "[ " ROCK ", \"type\": \"1-A\" }, " CRUMB ", \"pastes\": [ { " PASTE ", \"size\": 0.3, \"drop_off\": 0 } ],"
       " \"type\": \"1-A\" } ]" },
-    { FULL, "[" ADD_PASTE ", " ADD_PASTE ", {\"op\": \"paste.move\", \"index\": 0, \"point\": [1, 2, 3], \"size\": 0.4}]",
+    { FULL, "[" ADD_PASTE ", " ADD_PASTE
+            ", {\"op\": \"paste.move\", \"index\": 0, \"point\": [1, 2, 3], \"size\": 0.4}]",
       "solids", "[ " ROCK ", \"pastes\": [ { \"exemplar\": " EXEMPLAR ", \"point\": [1, 2, 3], \"up\": [0, 0, 1],"
                 " \"along\": [1, 0, 0], \"size\": 0.4 }, { " PASTE ", \"size\": 0.3 } ], \"type\": \"1-A\" }, " CRUMB
                 ", \"type\": \"1-A\" } ]" },
@@ -385,7 +416,8 @@ static const effect effects[] = {
             " \"gap\": 0.5}", "cuts",
       "[ { \"stroke\": { \"eye\": [0, 0, 9], \"points\": " LINE ", \"smoothing\": 2 }, \"gap\": 0.5 } ]" },
     { FULL, "[{\"op\": \"cut.plane\", " PLANE("1") "}, {\"op\": \"cut.plane\", " PLANE("2") "},"
-            " {\"op\": \"cut.plane\", " PLANE("3") "}, {\"op\": \"cut.remove\"}, {\"op\": \"cut.remove\", \"index\": 0}]",
+            " {\"op\": \"cut.plane\", " PLANE("3") "}, {\"op\": \"cut.remove\"},"
+            " {\"op\": \"cut.remove\", \"index\": 0}]",
       "cuts", "[ { " PLANE("2") " } ]" },
     { FULL, "[{\"op\": \"cut.plane\", " PLANE("1") "}, {\"op\": \"cut.remove\"}]", "cuts", NULL },
     { FULL, "{\"op\": \"solid.choose\", \"name\": \"crumb\"}", "solid", "\"crumb\"" },
@@ -400,9 +432,11 @@ static const effect effects[] = {
     { FULL, "{\"op\": \"set\", \"path\": \"depth.constraints[1].stroke[0][2]\", \"value\": -0.25}", "depth",
       "{ \"constraints\": [ { \"faces\": \"all\", \"depth\": 0 }, { \"stroke\": [[0, 0, -0.25], [0, 0, 0.5]],"
       " \"depth\": 1 } ] }" },
-    { FULL, "{\"op\": \"set\", \"path\": \"cuts[0]\", \"value\": { " PLANE("5") " }}", "cuts", "[ { " PLANE("5") " } ]" },
-    { FULL, "[{\"op\": \"cut.plane\", " PLANE("1") "}, {\"op\": \"set\", \"path\": \"cuts[1]\", \"value\": { " PLANE("5")
-            " }}, {\"op\": \"set\", \"path\": \"cuts[0].gap\", \"value\": 2}]", "cuts",
+    { FULL, "{\"op\": \"set\", \"path\": \"cuts[0]\", \"value\": { " PLANE("5") " }}", "cuts",
+      "[ { " PLANE("5") " } ]" },
+    { FULL, "[{\"op\": \"cut.plane\", " PLANE("1") "},"
+            " {\"op\": \"set\", \"path\": \"cuts[1]\", \"value\": { " PLANE("5") " }},"
+            " {\"op\": \"set\", \"path\": \"cuts[0].gap\", \"value\": 2}]", "cuts",
       "[ { " PLANE("1") ", \"gap\": 2 }, { " PLANE("5") " } ]" },
     { FULL, "{\"op\": \"remove\", \"path\": \"depth.constraints[1]\"}", "depth",
       "{ \"constraints\": [ { \"faces\": \"all\", \"depth\": 0 } ] }" },
@@ -443,8 +477,10 @@ static void test_bodies(void **state)
           "{ \"constraints\": [ " OLD_DEPTH ", { \"stroke\": " LINE ", \"depth\": 0.5 } ] }" },
         { "{\"op\": \"solid.choose\", \"body\": \"icing\", \"name\": \"rock\"}", "solid", "\"rock\"" },
         { "{\"op\": \"paste.add\", \"body\": \"icing\", " PASTE ", \"size\": 0.3}", "solids", /* the chosen one */
-          "[ " ROCK ", \"type\": \"1-A\" }, " CRUMB ", \"pastes\": [ { " PASTE ", \"size\": 0.3 } ], \"type\": \"1-A\" } ]" },
-        { "{\"op\": \"set\", \"path\": \"bodies[1].scale.points[0]\", \"value\": { \"point\": [0, 0, 0], \"size\": 2 }}",
+          "[ " ROCK ", \"type\": \"1-A\" }, " CRUMB ", \"pastes\": [ { " PASTE ", \"size\": 0.3 } ],"
+          " \"type\": \"1-A\" } ]" },
+        { "{\"op\": \"set\", \"path\": \"bodies[1].scale.points[0]\","
+          " \"value\": { \"point\": [0, 0, 0], \"size\": 2 }}",
           "scale", "{ \"points\": [ { \"point\": [0, 0, 0], \"size\": 2 } ] }" },
     };
     pith_document *before = parsed(BODIES);
@@ -511,7 +547,8 @@ static const refusal refusals[] = {
     { BARE, "[3]", "operations[0]: expected an object such as" },
     { BARE, "{\"op\": 3}", "operation: op: expected the name of an operation" },
     { BARE, "{\"op\": \"depth.fil\"}", "operation: op: there is no \"depth.fil\"; did you mean \"depth.fill\"?" },
-    { BARE, "{\"op\": \"xylophone\"}", "operation: op: there is no \"xylophone\", expected one of depth.fill, depth.face" },
+    { BARE, "{\"op\": \"xylophone\"}",
+      "operation: op: there is no \"xylophone\", expected one of depth.fill, depth.face" },
     { BARE, "{\"op\": \"depth.fill\", \"face\": 0, \"depht\": 1}",
       "operation: unknown key \"depht\"; did you mean \"depth\"?" },
     /* bodies */
@@ -532,7 +569,8 @@ static const refusal refusals[] = {
     { BARE, "{\"op\": \"depth.fill\", \"face\": 4000, \"depth\": 1}",
       "operation: face: is 4000, but the cleaned mesh has" },
     { BARE, "{\"op\": \"depth.fill\", \"face\": -1, \"depth\": 1}", "operation: face: expected a whole number from 0" },
-    { BARE, "{\"op\": \"depth.fill\", \"face\": 1.5, \"depth\": 1}", "operation: face: expected a whole number from 0" },
+    { BARE, "{\"op\": \"depth.fill\", \"face\": 1.5, \"depth\": 1}",
+      "operation: face: expected a whole number from 0" },
     { BARE, "{\"op\": \"depth.face\", \"faces\": [1, 4000], \"depth\": 1}", "operation: faces[1]: is 4000, but" },
     { BARE, "{\"op\": \"depth.erase\", \"faces\": []}", "operation: faces: expected \"all\" or a list" },
     { BARE, "{\"op\": \"depth.face\", \"ray\": { \"origin\": [0, 0, 9] }, \"depth\": 1}",
@@ -586,8 +624,10 @@ static const refusal refusals[] = {
     { FULL, "{\"op\": \"set\", \"path\": \"render.samples\", \"value\": \"many\"}",
       "operation: what comes out is refused: kiwi.pith: render.samples: is a text, expected a number" },
     { FULL, "{\"op\": \"set\", \"path\": \"\", \"value\": 3}", "operation: path: is empty" },
-    { FULL, "{\"op\": \"set\", \"path\": \"render.\", \"value\": 3}", "operation: path: is \"render.\", expected keys" },
-    { FULL, "{\"op\": \"set\", \"path\": \".render\", \"value\": 3}", "operation: path: is \".render\", expected keys" },
+    { FULL, "{\"op\": \"set\", \"path\": \"render.\", \"value\": 3}",
+      "operation: path: is \"render.\", expected keys" },
+    { FULL, "{\"op\": \"set\", \"path\": \".render\", \"value\": 3}",
+      "operation: path: is \".render\", expected keys" },
     { FULL, "{\"op\": \"set\", \"path\": \"[0]\", \"value\": 3}", "operation: path: is \"[0]\", expected keys" },
     { FULL, "{\"op\": \"set\", \"path\": \"solids[0]name\", \"value\": 3}", "operation: path: is \"solids[0]name\"" },
     { FULL, "{\"op\": \"set\", \"path\": \"solids[-1]\", \"value\": 3}", "operation: path: is \"solids[-1]\"" },
@@ -702,6 +742,7 @@ int main(void)
         cmocka_unit_test(test_filling_and_repainting),
         cmocka_unit_test(test_the_crease),
         cmocka_unit_test(test_the_depth_field_of_what_was_painted),
+        cmocka_unit_test(test_faces_are_those_of_the_shape_there_is),
         cmocka_unit_test(test_painting_over_faces_told_by_direction),
         cmocka_unit_test(test_a_ray_picks_the_face),
         cmocka_unit_test(test_effects),

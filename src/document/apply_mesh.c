@@ -1,0 +1,77 @@
+/* The mesh that faces are counted in. Reading and cleaning it takes most of the time of painting a face, so documents
+   that were painted keep it: the next click finds it made. */
+#include "apply_internal.h"
+
+struct kept_mesh {
+    int holders;            /* changed atomically */
+    json_t *shape;          /* what it was made from */
+    pith_document *alone;   /* a document of nothing but the shape: what else the body has may be in the middle of being
+                               edited */
+    pith_model *model;      /* has made its mesh, and makes nothing else */
+};
+
+kept_mesh *kept_mesh_hold(kept_mesh *shared)
+{
+    if (shared) __atomic_add_fetch(&shared->holders, 1, __ATOMIC_RELAXED);
+    return shared;
+}
+
+void kept_mesh_release(kept_mesh *shared)
+{
+    if (!shared || __atomic_sub_fetch(&shared->holders, 1, __ATOMIC_ACQ_REL) > 0) return;
+    pith_model_destroy(shared->model);
+    pith_document_destroy(shared->alone);
+    json_decref(shared->shape);
+    pith_free(shared);
+}
+
+/* What of the body's shape decides over its faces; not its tets, which leave them as they are. */
+static json_t *form_of(const json_t *shape)
+{
+    static const char *const forms[] = { "mesh", "fruit", "slab" };
+    for (size_t i = 0; i < sizeof forms / sizeof *forms; ++i) {
+        const json_t *form = json_object_get(shape, forms[i]);
+        if (form) return json_pack("{so}", forms[i], json_deep_copy(form));
+    }
+    return NULL;
+}
+
+static pith_status fill_mesh(kept_mesh *made, const edit *at)
+{
+    json_t *root = json_pack("{si sO}", "pith", 1, "shape", made->shape);
+    text_buffer buffer = { .failed = !root };
+    if (root) text_add_json(&buffer, root, 0);
+    json_decref(root);
+    pith_status status = buffer.failed ? PITH_OUT_OF_MEMORY(at->in.err, "a shape")
+                                       : pith_document_parse(at->path, buffer.text, buffer.length, &made->alone,
+                                                             at->in.err);
+    pith_free(buffer.text);
+    PITH_TRY(status);
+    const pith_model_options options = { .cache = false };
+    PITH_TRY(pith_model_create(made->alone, &options, NULL, &made->model, at->in.err));
+    return pith_model_mesh(made->model, NULL, NULL, at->in.err);
+}
+
+pith_status edit_mesh(edit *at, const pith_mesh **mesh)
+{
+    json_t *shape = form_of(json_object_get(at->body, "shape"));
+    if (!shape) return PITH_OUT_OF_MEMORY(at->in.err, "a shape");
+    if (at->mesh && json_equal(shape, at->mesh->shape)) {
+        json_decref(shape);
+        return pith_model_mesh(at->mesh->model, mesh, NULL, at->in.err);
+    }
+    kept_mesh *made = pith_alloc(1, sizeof *made);
+    if (!made) {
+        json_decref(shape);
+        return PITH_OUT_OF_MEMORY(at->in.err, "a mesh");
+    }
+    *made = (kept_mesh){ .holders = 1, .shape = shape };
+    const pith_status status = fill_mesh(made, at);
+    if (status != PITH_OK) {
+        kept_mesh_release(made);
+        return pith_fail_in(at->in.err, status, "%s", at->in.file);
+    }
+    kept_mesh_release(at->mesh);
+    at->mesh = made;
+    return pith_model_mesh(made->model, mesh, NULL, at->in.err);
+}
