@@ -1,12 +1,12 @@
-/* pith new: a document to start from. Templates are the shipped examples with their recipe written into them, so that
-   the new document stands alone; for a mesh, a kiwi whose core follows the mesh's longest axis. */
-#include "cli.h"
+/* pith new: a document to start from. Templates are the shipped examples with their recipes written into them, so that
+   the new document stands alone; for a mesh, an inside of the texture type asked for. */
+#include "new.h"
 
-#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const template_names[] = { "kiwi", "carrot", "tree", "watermelon", NULL };
+static const char *const template_names[] = { "kiwi", "carrot", "tree", "watermelon", "sponge", "tube", "muscle",
+                                              "flattened", "bricks", "strata", "cake", NULL };
 
 /* ---- JSON files -------------------------------------------------------------------------------------------------------- */
 
@@ -50,25 +50,34 @@ static pith_status copy_strip(json_t *recipe, const char *recipe_path, const cha
     return status;
 }
 
-/* Replaces {"recipe": path} of every solid by the recipe itself. */
-static pith_status inline_recipes(json_t *root, const char *template_path, const char *out, pith_error *err)
+/* One exemplar: {"recipe": path} becomes {"layered": recipe}. */
+static pith_status inline_recipe(json_t *exemplar, const char *beside, const char *out, pith_error *err)
+{
+    const char *written = json_string_value(json_object_get(exemplar, "recipe"));
+    if (!written) return PITH_OK;
+    json_t *recipe = NULL;
+    char *path = pith_path_join(beside, written);
+    pith_status status = path ? load_json(path, &recipe, err) : pith_fail(err, PITH_NO_MEMORY, "out of memory");
+    if (status == PITH_OK) status = copy_strip(recipe, path, out, err);
+    pith_free(path);
+    if (status == PITH_OK) {
+        json_object_del(exemplar, "recipe");
+        json_object_set(exemplar, "layered", recipe);
+    }
+    json_decref(recipe);
+    return status;
+}
+
+pith_status new_inline_recipes(json_t *root, const char *beside, const char *out, pith_error *err)
 {
     size_t i;
-    json_t *solid;
-    json_array_foreach(json_object_get(root, "solids"), i, solid) {
-        json_t *exemplar = json_object_get(solid, "exemplar"), *recipe = NULL;
-        const char *written = json_string_value(json_object_get(exemplar, "recipe"));
-        if (!written) continue;
-        char *path = pith_path_join(template_path, written);
-        pith_status status = path ? load_json(path, &recipe, err) : pith_fail(err, PITH_NO_MEMORY, "out of memory");
-        if (status == PITH_OK) status = copy_strip(recipe, path, out, err);
-        pith_free(path);
-        if (status != PITH_OK) {
-            json_decref(recipe);
-            return status;
-        }
-        json_object_set_new(solid, "exemplar", json_pack("{so}", "layered", recipe));
-    }
+    const char *key;
+    json_t *inner;
+    if (json_is_array(root)) json_array_foreach(root, i, inner) PITH_TRY(new_inline_recipes(inner, beside, out, err));
+    if (!json_is_object(root)) return PITH_OK;
+    json_t *exemplar = json_object_get(root, "exemplar");
+    if (exemplar) PITH_TRY(inline_recipe(exemplar, beside, out, err));
+    json_object_foreach(root, key, inner) PITH_TRY(new_inline_recipes(inner, beside, out, err));
     return PITH_OK;
 }
 
@@ -80,166 +89,83 @@ static pith_status new_from_template(const char *name, const char *out, pith_err
         return pith_fail(err, PITH_IO, "the template %s is not beside the program nor where its source was", file);
     json_t *root = NULL;
     PITH_TRY(load_json(path, &root, err));
-    pith_status status = inline_recipes(root, path, out, err);
+    pith_status status = new_inline_recipes(root, path, out, err);
     if (status == PITH_OK) status = save_checked(root, out, err);
     json_decref(root);
     return status;
 }
 
-/* ---- an axis through a mesh ------------------------------------------------------------------------------------------ */
+/* ---- the verb --------------------------------------------------------------------------------------------------------------- */
 
-/* Direction of the largest spread of the surface about its middle: the first eigenvector of its covariance, by repeated
-   multiplication, which is enough where any of several equal axes will do. */
-static pith_vec3 longest_axis(const pith_mesh_view *mesh, pith_vec3 *middle)
+static pith_status new_from_mesh(const new_wish *wish, pith_error *err)
 {
-    double area = 0, c[6] = { 0 };
-    pith_vec3 sum = { 0, 0, 0 };
-    for (int pass = 0; pass < 2; ++pass) {
-        for (uint32_t t = 0; t < mesh->triangle_count; ++t) {
-            const pith_vec3 a = mesh->positions[mesh->triangles[t][0]], b = mesh->positions[mesh->triangles[t][1]];
-            const pith_vec3 d = mesh->positions[mesh->triangles[t][2]];
-            const double weight = 0.5 * pith_length(pith_cross(pith_sub(b, a), pith_sub(d, a)));
-            const pith_vec3 centre = pith_scale(pith_add(pith_add(a, b), d), 1.0 / 3.0);
-            if (pass == 0) {
-                area += weight;
-                sum = pith_madd(sum, centre, weight);
-            } else {
-                const pith_vec3 p = pith_sub(centre, *middle);
-                const double products[6] = { p.x * p.x, p.y * p.y, p.z * p.z, p.x * p.y, p.x * p.z, p.y * p.z };
-                for (int k = 0; k < 6; ++k) c[k] += weight * products[k];
-            }
-        }
-        *middle = pith_scale(sum, 1.0 / area);
-    }
-    pith_vec3 axis = pith_unit(pith_v3(c[0] + 1e-3 * c[1], c[1], c[2]));
-    for (int i = 0; i < 200; ++i)
-        axis = pith_unit(pith_v3(c[0] * axis.x + c[3] * axis.y + c[4] * axis.z,
-                                 c[3] * axis.x + c[1] * axis.y + c[5] * axis.z,
-                                 c[4] * axis.x + c[5] * axis.y + c[2] * axis.z));
-    return axis;
-}
-
-/* The longest stretch inside the mesh of the line through middle, drawn in by a fifth of itself at either end so that the
-   core keeps away from the skin. False when the line misses the inside. */
-static pith_status core_segment(const pith_mesh *mesh, pith_vec3 middle, pith_vec3 axis, double reach, pith_vec3 ends[2],
-                                pith_error *err)
-{
-    enum { SAMPLES = 401 };
-    static pith_vec3 points[SAMPLES];
-    static bool inside[SAMPLES];
-    const pith_mesh_view view = pith_mesh_look(mesh);
-    pith_tracer *tracer = NULL;
-    PITH_TRY(pith_tracer_create(&view, &tracer, err));
-    for (int i = 0; i < SAMPLES; ++i) points[i] = pith_madd(middle, axis, reach * (2.0 * i / (SAMPLES - 1) - 1.0));
-    pith_tracer_inside(tracer, points, SAMPLES, inside);
-    pith_tracer_destroy(tracer);
-
-    int best = 0, best_start = 0;
-    for (int i = 0, run = 0; i < SAMPLES; ++i) {
-        run = inside[i] ? run + 1 : 0;
-        if (run > best) best = run, best_start = i - run + 1;
-    }
-    if (best < 5)
-        return pith_fail(err, PITH_BAD_MESH, "the mesh's longest axis does not run through its inside; start from a "
-                         "template (pith new kiwi) and draw the core's stroke by hand");
-    ends[0] = points[best_start + best / 5];
-    ends[1] = points[best_start + best - 1 - best / 5];
-    return PITH_OK;
-}
-
-/* ---- meshes ------------------------------------------------------------------------------------------------------------- */
-
-static json_t *segment_json(const pith_vec3 ends[2])
-{
-    return json_pack("[oo]", cli_point_json(ends[0]), cli_point_json(ends[1]));
-}
-
-/* How the new document names the mesh: by its name alone when they lie in one folder, else by its full path. */
-static const char *mesh_name(const char *mesh_path, const char *out, char full[PATH_MAX])
-{
-    const char *slash = strrchr(mesh_path, '/'), *other = strrchr(out, '/');
-    const size_t length = slash ? (size_t)(slash - mesh_path) : 0, other_length = other ? (size_t)(other - out) : 0;
-    if (length == other_length && strncmp(mesh_path, out, length) == 0) return slash ? slash + 1 : mesh_path;
-    return realpath(mesh_path, full) ? full : mesh_path;
-}
-
-static pith_status mesh_document(const pith_mesh *mesh, const pith_mesh_report *report, const char *name, json_t *root,
-                                 pith_error *err)
-{
-    const pith_mesh_view view = pith_mesh_look(mesh);
-    pith_vec3 middle, ends[2];
-    const pith_vec3 axis = longest_axis(&view, &middle);
-    const double reach = pith_distance(report->box.low, report->box.high);
-    PITH_TRY(core_segment(mesh, middle, axis, reach, ends, err));
-    const char *slash = strrchr(name, '/');
-    json_object_set_new(root, "title", json_string(slash ? slash + 1 : name));
-    json_object_set_new(root, "shape", json_pack("{sss{si}}", "mesh", name, "tets", "tetrahedra", 5000));
-    json_object_set_new(root, "depth",
-                        json_pack("{s[{sssi}{sosi}]}", "constraints", "faces", "all", "depth", 0, "stroke",
-                                  segment_json(ends), "depth", 1));
-    json_object_set_new(root, "direction", json_pack("{s[o]}", "strokes", segment_json(ends)));
-    json_object_set_new(root, "cuts",
-                        json_pack("[{s{soso}ss}]", "plane", "point", cli_point_json(pith_lerp(ends[0], ends[1], 0.5)),
-                                  "normal", cli_point_json(axis), "keep", "negative"));
-    /* The far half stays and shows its section; upright is y as in most scans, or z where the axis runs along y. */
-    const pith_vec3 up = fabs(axis.y) < 0.8 ? pith_v3(0, 1, 0) : pith_v3(0, 0, 1);
-    const pith_vec3 side = pith_unit(pith_cross(up, axis));
-    const pith_vec3 view_from = pith_madd(pith_madd(axis, up, 0.35), side, 0.35);
-    json_object_set_new(root, "camera", json_pack("{soso}", "direction", cli_point_json(view_from), "up",
-                                                  cli_point_json(up)));
-    return PITH_OK;
-}
-
-static pith_status new_from_mesh(const char *mesh_path, const char *out, pith_error *err)
-{
-    char template_path[1000], full[PATH_MAX];
-    if (!cli_find_example("kiwi.pith", template_path, sizeof template_path))
-        return pith_fail(err, PITH_IO, "the template kiwi.pith is not beside the program nor where its source was");
-    pith_mesh *raw = NULL, *mesh = NULL;
-    pith_mesh_report report;
     json_t *root = NULL;
-    pith_status status = pith_mesh_read(mesh_path, &raw, err);
-    if (status == PITH_OK) status = pith_mesh_clean(raw, &mesh, &report, err);
-    if (status == PITH_OK) status = load_json(template_path, &root, err);
-    if (status == PITH_OK) status = inline_recipes(root, template_path, out, err);
-    if (status == PITH_OK) {
-        json_object_del(root, "render");
-        status = mesh_document(mesh, &report, mesh_name(mesh_path, out, full), root, err);
-    }
-    if (status == PITH_OK) status = save_checked(root, out, err);
+    PITH_TRY(new_for_mesh(wish, &root, err));
+    const pith_status status = save_checked(root, wish->out, err);
     json_decref(root);
-    pith_mesh_destroy(mesh);
-    pith_mesh_destroy(raw);
     return status;
+}
+
+/* What OUT is made from: a template, one of the program's shapes, or a file. */
+static int check_from(const char *from, bool *is_template)
+{
+    *is_template = false;
+    for (size_t i = 0; template_names[i]; ++i) *is_template |= strcmp(from, template_names[i]) == 0;
+    if (*is_template || strcmp(from, "slab") == 0 || strcmp(from, "fruit") == 0 || pith_file_exists(from)) return CLI_GO_ON;
+    const char *near = pith_nearest_word(from, template_names);
+    return cli_misuse("new", "\"%s\" is neither a template nor a file%s%s%s", from, near ? "; did you mean \"" : "",
+                      near ? near : "", near ? "\"?" : "");
+}
+
+static int check_type(const char *word, bool is_template, bool has_size, new_wish *wish)
+{
+    pith_error err;
+    pith_lapped_options options = pith_lapped_options_default();
+    if (word && pith_param_set_word(pith_params_find(&pith_lapped_params, "type"), &options, word, &err) != PITH_OK)
+        return cli_misuse("new", "%s", err.message);
+    if ((word || has_size) && is_template)
+        return cli_misuse("new", "--%s goes with a mesh, slab or fruit; a template is what it is", word ? "type" : "size");
+    wish->type = options.type;
+    if (has_size && (wish->type == PITH_TYPE_1A || wish->type == PITH_TYPE_1B))
+        return cli_misuse("new", "--size goes with types 0; of types 1 the depth field says how large the exemplar is");
+    return CLI_GO_ON;
 }
 
 int verb_new(int argc, char **argv)
 {
-    bool force = false;
+    bool force = false, has_size = false, is_template;
+    const char *type = NULL;
+    new_wish wish = { .tetrahedra = 5000 };
     const cli_flag flags[] = {
+        { "type", 0, CLI_TEXT, &type, "0-A|..|1-B", "texture type of a mesh's inside; default 1-B", 0, 0, NULL },
+        { "size", 0, CLI_NUMBER, &wish.size, "X", "edge of the exemplar's cube, types 0; default: half as wide as the body",
+          1e-9, 1e9, &has_size },
+        { "tetrahedra", 0, CLI_WHOLE, &wish.tetrahedra, "N", "of a mesh's inside; default 5000", 50, 20000000, NULL },
         { "force", 'f', CLI_SWITCH, &force, NULL, "replace OUT when it exists", 0, 0, NULL },
     };
     cli_line line = {
-        .verb = "new", .words = "kiwi|carrot|tree|watermelon|MESH OUT", .least_words = 2, .most_words = 2, .flags = flags,
+        .verb = "new", .words = "NAME|slab|fruit|MESH OUT", .least_words = 2, .most_words = 2, .flags = flags,
         .flag_count = sizeof flags / sizeof *flags,
-        .summary = "Writes a new document: a template, or a kiwi's inside for a mesh of yours, its core along the mesh's\n"
-                   "longest axis. Edit it from there; docs/document.md explains every key.",
+        .summary = "Writes a new document: a copy of a template (kiwi, carrot, tree, watermelon, sponge, tube, muscle,\n"
+                   "flattened, bricks, strata, cake), or an inside for a mesh of yours, for a slab or for a fruit:\n"
+                   "  0-A  sponge, the same everywhere        1-A  watermelon, by depth\n"
+                   "  0-B  muscle, along the core             1-B  kiwi, by depth and along the core\n"
+                   "  0-C  flattened fibres, along the core and flat in its layers\n"
+                   "The core of each component runs along its longest axis. Edit it from there; docs/document.md explains\n"
+                   "every key.",
     };
-    const int code = cli_parse(&line, argc, argv);
+    int code = cli_parse(&line, argc, argv);
     if (code != CLI_GO_ON) return code;
-    const char *from = line.word[0], *out = line.word[1];
-    bool is_template = false;
-    for (size_t i = 0; template_names[i]; ++i) is_template |= strcmp(from, template_names[i]) == 0;
-    if (!is_template && !pith_file_exists(from)) {
-        const char *near = pith_nearest_word(from, template_names);
-        return cli_misuse("new", "\"%s\" is neither a template nor a file%s%s%s", from, near ? "; did you mean \"" : "",
-                          near ? near : "", near ? "\"?" : "");
-    }
+    wish.from = line.word[0];
+    wish.out = line.word[1];
+    code = check_from(wish.from, &is_template);
+    if (code == CLI_GO_ON) code = check_type(type, is_template, has_size, &wish);
+    if (code != CLI_GO_ON) return code;
     pith_error err;
-    if (!force && pith_file_exists(out)) {
-        pith_fail(&err, PITH_BAD_ARGUMENT, "%s exists; --force replaces it", out);
+    if (!force && pith_file_exists(wish.out)) {
+        pith_fail(&err, PITH_BAD_ARGUMENT, "%s exists; --force replaces it", wish.out);
         return cli_fail("new", &err);
     }
-    const pith_status status = is_template ? new_from_template(from, out, &err) : new_from_mesh(from, out, &err);
+    const pith_status status = is_template ? new_from_template(wish.from, wish.out, &err) : new_from_mesh(&wish, &err);
     return status == PITH_OK ? EXIT_DONE : cli_fail("new", &err);
 }
