@@ -50,7 +50,8 @@ typedef struct pith_smoothing_options {
     double lambda_r;    /* λR of exp(-λR r² - λD d²); r in units of the mean edge length (thesis §4.4.2) */
     double lambda_d;    /* λD; d in units of the mean difference of depth along an edge (root of the mean square), so
                            that finer meshes need no other value. 0 and 0: uniform weights 1/|N|. No neighbour counts
-                           less than a thousandth of the heaviest: layers never come apart entirely */
+                           less than a thousandth of the heaviest: layers never come apart entirely. A wall that
+                           twists from layer to layer asks for 3, a body of few strokes carried in space for 0.3 */
     double constraint_weight; /* of each constraint row against one Laplacian row; 10 meets values to about a percent */
     uint32_t barycentric; /* constraint rows: 1 barycentric (2008, eq. 2), 0 exponential weights (thesis §4.4.2) */
     uint32_t carry;     /* pith_carry; frame fields only */
@@ -106,7 +107,9 @@ void pith_frame_field_destroy(pith_frame_field *field);
  *  PITH_BAD_ARGUMENT, naming the stroke: none, no length, not finite, farther outside than a hundredth of the diagonal,
  *  along the gradient everywhere, two strokes (or one and itself) that run in opposite directions, by more than 135
  *  degrees, within a thousandth of the diagonal. secondary [vertex_count]; report may be NULL.
- *  The same bits for any number of threads. Not for two threads at a time. */
+ *  The same bits for any number of threads. Not for two threads at a time. Measured on two cores, 200 000 tets (34 000
+ *  vertices): in space 0.1 s to prepare and 0.5 s (many strokes) to 1.6 s (few) to solve; in layers 0.1 s to prepare, 1 s
+ *  for the first strokes and 0.8 s for others. How near strokes come to a known field: `pith bench fields`. */
 pith_status pith_frame_field_solve(pith_frame_field *field, const pith_stroke *strokes, size_t count,
                                    pith_vec3 *secondary, pith_frame_report *report, pith_error *err);
 /** Both in one call. */
@@ -193,8 +196,8 @@ pith_status pith_volume_field_create(const pith_mesh *mesh, const pith_volume_fi
                                      pith_volume_field **field, pith_error *err);
 void pith_volume_field_destroy(pith_volume_field *field);
 /** Smooth vectors over the inner voxels: boundary voxels take the interpolated tangents of the surface ([vertex_count] of
- *  the mesh; NULL: no boundary constraint), voxels under strokes drawn inside take the strokes' directions; uniform
- *  Laplacian smoothing ‖Lx‖² + ‖Λ(Cx-b)‖², unit length afterwards. Starts from the last solution, so that one more stroke
+ *  the mesh, zero where it says nothing; NULL: no boundary constraint), voxels under strokes drawn inside take the
+ *  strokes' directions; uniform Laplacian smoothing ‖Lx‖² + ‖Λ(Cx-b)‖², unit length afterwards. Starts from the last solution, so that one more stroke
  *  is cheap. 64³ voxels: under 0.5 s from nothing, under 0.2 s for one more stroke. An inner component (of voxels)
  *  without any constraint gets zero vectors. PITH_BAD_ARGUMENT as for tangent fields; a stroke outside the body is
  *  refused. Deterministic for any number of threads. */

@@ -17,7 +17,7 @@ static const pith_param smoothing_items[] = {
     { "lambda_r", "1", "more of it lets near neighbours count more (distance in mean edge lengths, squared)",
       PITH_PARAM_DOUBLE, 0, 0.5, 1000, offsetof(pith_smoothing_options, lambda_r), NULL },
     { "lambda_d", "1", "more of it keeps directions to their own depth layer (depth steps per edge, squared)",
-      PITH_PARAM_DOUBLE, 0, 3, 1e6, offsetof(pith_smoothing_options, lambda_d), NULL },
+      PITH_PARAM_DOUBLE, 0, 1, 1e6, offsetof(pith_smoothing_options, lambda_d), NULL },
     { "constraint_weight", "1", "more of it follows the strokes more exactly and less smoothly",
       PITH_PARAM_DOUBLE, 1e-3, 10, 1000, offsetof(pith_smoothing_options, constraint_weight), NULL },
     { "constraint_rows", "1", "how a point speaks for the corners of its tetrahedron",

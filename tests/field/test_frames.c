@@ -296,6 +296,39 @@ static void the_field_matches_a_dense_solve_of_the_energy(void **state)
     directions_free(&d);
 }
 
+/* In space the field is what smoothing each component by itself gives, made perpendicular: pith_smoother has a dense
+   reference of its own. */
+static void in_space_components_are_smoothed_apart(void **state)
+{
+    (void)state;
+    directions d = trunk(1, 6, -0.3, 0.21);
+    const uint32_t n = d.view.vertex_count;
+    const pith_smoothing_options options = carrying(PITH_CARRY_SPACE);
+    const pith_vec3 points[2][2] = { { { 0.31, 0.2, 0.4 }, { 0.3, 0.25, 0.45 } }, { { 0.9, 0.6, 0.5 }, { 0.85, 0.62, 0.5 } } };
+    const pith_stroke strokes[2] = { { points[0], 2 }, { points[1], 2 } };
+    CHECK_OK(pith_secondary_field(d.tets, d.locator, d.depth, d.gradient, strokes, 2, &options, d.secondary, &err));
+    pith_vec3 at[2 * 2];
+    double values[3 * 4], *result = malloc(3 * n * sizeof *result);
+    assert_non_null(result);
+    for (int s = 0; s < 2; ++s) /* shorter than half an edge: the samples are the two ends */
+        for (int k = 0; k < 2; ++k) {
+            const pith_vec3 along = pith_unit(pith_sub(points[s][1], points[s][0]));
+            at[2 * s + k] = points[s][k];
+            values[2 * s + k] = along.x, values[4 + 2 * s + k] = along.y, values[8 + 2 * s + k] = along.z;
+        }
+    pith_smoother *smoother = NULL;
+    CHECK_OK(pith_smoother_create(d.tets, d.locator, d.depth, at, 4, &options, &smoother, &err));
+    CHECK_OK(pith_smoother_solve(smoother, values, 3, result, &err));
+    for (uint32_t v = 0; v < n; ++v) {
+        const pith_vec3 smooth = pith_v3(result[v], result[n + v], result[2 * n + v]);
+        const pith_vec3 expected = pith_unit(pith_reject(smooth, pith_unit(d.gradient[v])));
+        CHECK_NEAR(pith_distance(d.secondary[v], expected), 0.0, 1e-7);
+    }
+    pith_smoother_destroy(smoother);
+    free(result);
+    directions_free(&d);
+}
+
 /* ---- any input --------------------------------------------------------------------------------------------------- */
 
 static const pith_vec3 helix[4] = { { 0.2, 0.5, 0.2 }, { 0.5, 0.2, 0.4 }, { 0.8, 0.5, 0.6 }, { 0.5, 0.8, 0.8 } };
@@ -513,6 +546,7 @@ int main(void)
         cmocka_unit_test(one_stroke_goes_round_a_cylinder),
         cmocka_unit_test(a_helix_keeps_its_pitch),
         cmocka_unit_test(the_field_matches_a_dense_solve_of_the_energy),
+        cmocka_unit_test(in_space_components_are_smoothed_apart),
         cmocka_unit_test(any_strokes_give_unit_directions_across_the_gradient),
         cmocka_unit_test(samples_along_the_gradient_are_dropped_and_counted),
         cmocka_unit_test(parts_without_a_stroke_get_a_fixed_perpendicular),
