@@ -30,6 +30,20 @@ static void test_the_readme(void **state)
     CHECK_AT_LEAST(run_page("README.md"), 5);
 }
 
+/* The list of verbs at the end of the readme is that of the help, in its order. */
+static void test_the_readme_lists_the_verbs(void **state)
+{
+    (void)state;
+    unsigned char *text;
+    size_t size;
+    pith_error err;
+    CHECK_OK(pith_file_read(PITH_SOURCE_DIR "/README.md", &text, &size, &err));
+    CHECK_RUN(0, "build/pith --help | awk '/^  [a-z]/ { printf \"%%s%%s\", sep, $1; sep = \" \" }'");
+    CHECK_AT_LEAST((int)strlen(run_out), 20);
+    CHECK_SAYS((char *)text, run_out);
+    pith_free(text);
+}
+
 static void test_the_tutorial(void **state)
 {
     (void)state;
@@ -46,12 +60,21 @@ static void test_cuts_and_volumes(void **state)
     CHECK_AT_LEAST(run_page("docs/volumes.md"), 3);
 }
 
+static void test_editing(void **state)
+{
+    (void)state;
+    CHECK_AT_LEAST(run_page("docs/editing.md"), 7);
+    CHECK_RUN(0, "test -f bark.png -a -f log.png -a -f split.png");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_the_readme),
+        cmocka_unit_test(test_the_readme_lists_the_verbs),
         cmocka_unit_test(test_the_tutorial),
         cmocka_unit_test(test_cuts_and_volumes),
+        cmocka_unit_test(test_editing),
     };
     return cmocka_run_group_tests(tests, run_set_up, run_tear_down);
 }
