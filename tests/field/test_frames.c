@@ -93,8 +93,8 @@ static void a_straight_stroke_gives_one_direction_everywhere(void **state)
     directions_free(&d);
 }
 
-/* Carried in space a stroke gives its own direction everywhere, across the gradient: the meridians of a ball from a stroke
-   along its axis, whose ends they run together in. */
+/* Carried in space a stroke gives its own direction everywhere, across the gradient: the meridians of a fruit from a stroke
+   along its core. */
 static void a_stroke_along_the_axis_gives_meridians(void **state)
 {
     (void)state;
@@ -102,7 +102,9 @@ static void a_stroke_along_the_axis_gives_meridians(void **state)
     const pith_vec3 axis[2] = { { 0.5, 0.5, 0.3 }, { 0.5, 0.5, 0.7 } };
     const pith_stroke stroke = { axis, 2 };
     for (uint32_t v = 0; v < d.view.vertex_count; ++v) {
-        const pith_vec3 arm = pith_sub(d.view.positions[v], pith_v3(0.5, 0.5, 0.5));
+        /* Depth by the distance from the stroke, as in a fruit with a core. */
+        const double along = fmax(0.3, fmin(0.7, d.view.positions[v].z));
+        const pith_vec3 arm = pith_sub(d.view.positions[v], pith_v3(0.5, 0.5, along));
         d.depth[v] = 1 - pith_dot(arm, arm);
         d.gradient[v] = pith_scale(arm, -2.0);
     }
@@ -110,7 +112,7 @@ static void a_stroke_along_the_axis_gives_meridians(void **state)
     CHECK_OK(pith_secondary_field(d.tets, d.locator, d.depth, d.gradient, &stroke, 1, &options, d.secondary, &err));
     for (uint32_t v = 0; v < d.view.vertex_count; ++v) {
         const pith_vec3 inward = pith_unit(d.gradient[v]), meridian = pith_reject(pith_v3(0, 0, 1), inward);
-        if (!(pith_length(inward) > 0.5)) continue; /* the very middle has no layer */
+        if (!(pith_length(inward) > 0.5)) continue; /* the core has no layer */
         if (pith_length(meridian) > 1e-3) CHECK_NEAR(pith_distance(d.secondary[v], pith_unit(meridian)), 0.0, 1e-6);
         CHECK_NEAR(pith_length(d.secondary[v]), 1.0, 1e-12);
         CHECK_NEAR(pith_dot(d.secondary[v], inward), 0.0, 1e-12);
