@@ -141,6 +141,8 @@ int cli_print_json(json_t *json);
 /* EXIT_FAILED with a sentence when what was printed did not all arrive. */
 int cli_finish_output(const char *verb);
 json_t *cli_point_json(pith_vec3 point);
+/* A picture of pith_render into a .png or .jpg; a .jpg when nothing of it is seen through. */
+pith_status cli_write_picture(const pith_image *image, const char *path, pith_error *err);
 /* The program's own folder ends up in path, with a slash at the end. */
 void cli_program_folder(char *path, size_t capacity);
 /* The path of a shipped example, beside the build or where the source is; false when it is nowhere. */

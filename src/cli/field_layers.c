@@ -70,20 +70,41 @@ static pith_status colour_vertices(const field *from, gathering *g, double pale,
     return status;
 }
 
-static pith_status shell_mesh(const field *from, const pith_shell *shell, pith_face_kind kind, double pale,
-                              double crease_angle, pith_mesh **mesh, pith_error *err)
+/* Normals against the slope of depth: those of thin triangles are anybody's guess. */
+static pith_status turn_to_slope(const field *from, gathering *g, pith_error *err)
+{
+    uint32_t *tets = pith_alloc(g->vertex_count, sizeof *tets);
+    double (*weights)[4] = pith_alloc(g->vertex_count, sizeof *weights);
+    if (tets && weights) pith_locator_find(from->locator, g->material, g->vertex_count, INFINITY, tets, weights);
+    for (uint32_t v = 0; tets && weights && v < g->vertex_count; ++v) {
+        pith_vec3 slope = { 0, 0, 0 };
+        for (int k = 0; tets[v] != PITH_NONE && k < 4; ++k)
+            slope = pith_madd(slope, from->gradient[from->view.tets[tets[v]][k]], weights[v][k]);
+        g->normals[v] = pith_scale(pith_unit(slope), -1.0);
+        if (!(pith_length(slope) > 0.0)) g->normals[v] = pith_v3(0, 0, 1);
+    }
+    const pith_status status = tets && weights ? PITH_OK : PITH_OUT_OF_MEMORY(err, "a layer");
+    pith_free(tets);
+    pith_free(weights);
+    return status;
+}
+
+/* layer: the shell's section is a layer of depth. */
+static pith_status shell_mesh(const field *from, const pith_shell *shell, pith_face_kind kind, double pale, bool layer,
+                              pith_mesh **mesh, pith_error *err)
 {
     const pith_shell_view view = pith_shell_look(shell);
     pith_vec3 (*normals)[3] = pith_alloc(view.triangle_count, sizeof *normals);
     gathering g = { 0 };
     pith_status status = normals ? PITH_OK : PITH_OUT_OF_MEMORY(err, "a surface");
-    if (status == PITH_OK) status = pith_shell_normals(shell, crease_angle, normals, err);
+    if (status == PITH_OK && !layer) status = pith_shell_normals(shell, crease, normals, err);
     if (status == PITH_OK && !gathering_make(&g, &view)) status = PITH_OUT_OF_MEMORY(err, "a surface");
     for (uint32_t t = 0; status == PITH_OK && t < view.triangle_count; ++t) {
         if (view.kinds[t] != kind) continue;
         uint32_t *to = g.triangles[g.triangle_count++];
         for (int k = 0; k < 3; ++k) to[k] = gather_corner(&g, &view, view.triangles[t][k], normals[t][k]);
     }
+    if (status == PITH_OK && layer) status = turn_to_slope(from, &g, err);
     if (status == PITH_OK) status = colour_vertices(from, &g, pale, err);
     const pith_mesh_view made = { .positions = g.positions, .normals = g.normals,
                                   .colours = (const float (*)[4])g.colours,
@@ -98,7 +119,7 @@ static pith_status shell_mesh(const field *from, const pith_shell *shell, pith_f
 pith_status field_shell_mesh(const field *from, const pith_shell *shell, pith_face_kind kind, double pale,
                              pith_mesh **mesh, pith_error *err)
 {
-    return shell_mesh(from, shell, kind, pale, crease, mesh, err);
+    return shell_mesh(from, shell, kind, pale, false, mesh, err);
 }
 
 /* The section of the body's deeper part looks towards the outside. */
@@ -113,7 +134,7 @@ pith_status field_layer_mesh(const field *from, const pith_part *part, double le
     else status = field_depths(from, view.material, view.vertex_count, values, err);
     for (uint32_t v = 0; v < view.vertex_count; ++v) values[v] -= level;
     if (status == PITH_OK) status = pith_part_cut(part, values, NULL, &deeper, err);
-    if (status == PITH_OK) status = shell_mesh(from, deeper, PITH_SECTION, 0.0, 180.0, mesh, err);
+    if (status == PITH_OK) status = shell_mesh(from, deeper, PITH_SECTION, 0.0, true, mesh, err);
     pith_shell_destroy(deeper);
     pith_free(values);
     return status;

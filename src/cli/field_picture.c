@@ -185,7 +185,7 @@ pith_status field_picture(field *from, const cli_line *line, const pith_document
     pith_status status = fill_scene(from, &s, err);
     const bool veiled = from->asked->outline == OUTLINE_WHOLE && !from->asked->depth;
     if (status == PITH_OK) status = veiled ? draw_veiled(&s, &image, err) : draw(&s, 0, s.count, &s.options, &image, err);
-    if (status == PITH_OK) status = pith_image_write(image, path, 92, err);
+    if (status == PITH_OK) status = cli_write_picture(image, path, err);
     pith_image_destroy(image);
     scene_clear(&s);
     return status;

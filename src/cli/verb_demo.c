@@ -56,7 +56,7 @@ static pith_status write_picture(pith_model *model, const char *path, pith_error
     PITH_TRY(pith_model_view(model, &camera, &options, err));
     pith_image *image = NULL;
     PITH_TRY(pith_render(items, count, &camera, &options, cli_progress(), &image, err));
-    const pith_status status = pith_image_write(image, path, 92, err);
+    const pith_status status = cli_write_picture(image, path, err);
     pith_image_destroy(image);
     return status;
 }

@@ -10,7 +10,7 @@ typedef struct render_flags {
 
 static pith_status write_picture(pith_image *image, const char *out, pith_error *err)
 {
-    const pith_status status = pith_image_write(image, out, 92, err);
+    const pith_status status = cli_write_picture(image, out, err);
     pith_image_destroy(image);
     return status;
 }
