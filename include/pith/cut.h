@@ -48,6 +48,8 @@ pith_status pith_part_whole(const pith_tets *tets, pith_part **part, pith_error 
 /** Its surface; faces made by former splits are section. */
 pith_status pith_part_shell(const pith_part *part, pith_shell **shell, pith_error *err);
 double pith_part_volume(const pith_part *part);
+/** The box of the whole model that the part is of, in material coordinates: the same for all its parts. */
+pith_box pith_part_model_box(const pith_part *part);
 /** Barycentric coordinates of every tet's corners in its source tet of the original model, [tet_count][4][4], caller's
  *  array: what pith_shell_weights gives for triangles. They are linear over the tet. O(tets), parallel. */
 void pith_part_weights(const pith_part *part, double (*weights)[4][4]);

@@ -123,6 +123,11 @@ double pith_part_volume(const pith_part *part)
     return six / 6.0;
 }
 
+pith_box pith_part_model_box(const pith_part *part)
+{
+    return part->origin ? pith_box_of(part->origin->positions, part->origin->vertex_count) : pith_box_empty();
+}
+
 pith_status pith_part_plane_values(const pith_part *part, const pith_plane *plane, double *values, pith_error *err)
 {
     if (!part || !plane || !values)

@@ -23,6 +23,7 @@ typedef struct volume_body {
     double (*weights)[4][4];    /* [tet_count] corners in their source tet */
     uint32_t (*neighbours)[4];  /* [tet_count] the tet across the face opposite corner k, or PITH_NONE; march only */
     double nearest, farthest;   /* depths of its vertices */
+    pith_box model;             /* of the model it is a part of */
 } volume_body;
 
 /* A thing that covers pixels: a boundary face (march) or a whole tet (slices, corner 0). */

@@ -7,6 +7,7 @@ static pith_status body_make(volume_scene *scene, volume_body *body, const pith_
 {
     body->part = pith_part_look(item->part);
     body->solid = item->solid;
+    body->model = pith_part_model_box(item->part);
     body->eye = pith_alloc(body->part.vertex_count, sizeof *body->eye);
     body->weights = pith_alloc(body->part.tet_count, sizeof *body->weights);
     if (!body->eye || !body->weights) return PITH_OUT_OF_MEMORY(err, "a body in camera space");
@@ -173,7 +174,8 @@ static void place_planes(volume_scene *scene)
         const volume_body *body = &scene->bodies[b];
         near = fmin(near, body->nearest);
         far = fmax(far, body->farthest);
-        for (uint32_t i = 0; i < body->part.vertex_count; ++i) pith_box_add(&box, body->part.material[i]);
+        pith_box_add(&box, body->model.low);
+        pith_box_add(&box, body->model.high);
     }
     scene->near = fmax(near, 0.0);
     scene->step = (far - scene->near) / scene->options->slices; /* not positive: all is behind the eye, and not drawn */
