@@ -76,7 +76,7 @@ pith_status field_all_lines(const field *from, pith_polylines **lines, float (**
 /* Tubes or arrows of one layer, coloured at their vertices. */
 pith_status field_line_mesh(const field *from, const field_layer *layer, pith_mesh **mesh, pith_error *err);
 
-/* Red, yellow, green, cyan, blue from depth 0 to 1 (Takayama's thesis 2011, §4.3.1); linear. */
+/* Red, yellow, green, cyan, blue from depth 0 to 1 (Takayama's thesis 2011, §4.4.1); linear. */
 void field_palette(double depth, float colour[3]);
 pith_status field_picture(field *from, const cli_line *line, const pith_document *document, const char *path,
                           pith_error *err);

@@ -29,7 +29,7 @@ static void test_the_program_explains_itself(void **state)
     CHECK_RUN(0, "build/pith --version");
     CHECK_SAYS(run_out, "OpenBLAS");
     static const char *const verbs[] = { "new", "info", "validate", "fill", "sample", "cut", "render", "bake", "exemplar",
-                                         "demo", "bench" };
+                                         "demo", "bench", "field", "apply" };
     for (size_t i = 0; i < sizeof verbs / sizeof *verbs; ++i) {
         CHECK_RUN(0, "build/pith %s --help", verbs[i]);
         char usage[60];

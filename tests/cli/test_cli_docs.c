@@ -67,6 +67,13 @@ static void test_editing(void **state)
     CHECK_RUN(0, "test -f bark.png -a -f log.png -a -f split.png");
 }
 
+static void test_fields(void **state)
+{
+    (void)state;
+    CHECK_AT_LEAST(run_page("docs/fields.md"), 7);
+    CHECK_RUN(0, "test -f depth.png -a -f layers.png -a -f on_layer.vtp");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -75,6 +82,7 @@ int main(void)
         cmocka_unit_test(test_the_tutorial),
         cmocka_unit_test(test_cuts_and_volumes),
         cmocka_unit_test(test_editing),
+        cmocka_unit_test(test_fields),
     };
     return cmocka_run_group_tests(tests, run_set_up, run_tear_down);
 }
