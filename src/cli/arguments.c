@@ -16,7 +16,7 @@ int cli_misuse(const char *verb, const char *format, ...)
     return EXIT_USAGE;
 }
 
-/* ---- help ---------------------------------------------------------------------------------------------------------- */
+/* ---- help -------------------------------------------------------------------------------------------------------- */
 
 /* "mask_radius" is the flag --mask-radius. */
 static void flag_name(const char *option, char *flag, size_t capacity)
@@ -65,7 +65,7 @@ static int print_help(const cli_line *line)
     return cli_finish_output(line->verb);
 }
 
-/* ---- values --------------------------------------------------------------------------------------------------------- */
+/* ---- values ------------------------------------------------------------------------------------------------------ */
 
 /* A whole text as a number; NaN and leftovers are refused. */
 static bool read_number(const char *text, double *value)
@@ -161,8 +161,10 @@ static int set_flag(const cli_line *line, const cli_flag *flag, const char *text
         break;
     case CLI_STROKE:
         if (!read_stroke(text, flag->value))
-            code = cli_misuse(line->verb, "--%s is \"%s\", expected \"ex,ey,ez;x,y,z;x,y,z;…\": the eye, then two to %d "
-                              "points", flag->name, text, CLI_MOST_POINTS);
+            code = cli_misuse(line->verb,
+                              "--%s is \"%s\", expected \"ex,ey,ez;x,y,z;x,y,z;…\": the eye, then two to %d "
+                              "points",
+                              flag->name, text, CLI_MOST_POINTS);
         break;
     }
     if (code == CLI_GO_ON && flag->given) *flag->given = true;
@@ -231,7 +233,7 @@ const char *cli_only_of(const cli_line *line, const pith_params *table)
     return NULL;
 }
 
-/* ---- lines ------------------------------------------------------------------------------------------------------------ */
+/* ---- lines ------------------------------------------------------------------------------------------------------- */
 
 static int unknown_flag(const cli_line *line, const char *name)
 {
@@ -277,7 +279,8 @@ static flag_match find_letter(const cli_line *line, const char *argument)
 static bool is_bool(const cli_line *line, const char *param)
 {
     for (int t = 0; t < CLI_MOST_TABLES && line->tables[t]; ++t)
-        if (pith_params_find(line->tables[t], param)) return pith_params_find(line->tables[t], param)->type == PITH_PARAM_BOOL;
+        if (pith_params_find(line->tables[t], param))
+            return pith_params_find(line->tables[t], param)->type == PITH_PARAM_BOOL;
     return false;
 }
 

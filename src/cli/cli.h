@@ -10,7 +10,7 @@
 
 enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2, CLI_GO_ON = -1 };
 
-/* ---- command lines ------------------------------------------------------------------------------------------------ */
+/* ---- command lines ----------------------------------------------------------------------------------------------- */
 
 typedef enum cli_kind {
     CLI_SWITCH,     /* bool, no value */
@@ -59,7 +59,7 @@ typedef struct cli_line {
     bool param_given[CLI_MOST_TABLES][CLI_MOST_PARAMS];
 } cli_line;
 
-/* Reads the arguments behind the verb. CLI_GO_ON, or the code to exit with (help was printed, or the usage is wrong). */
+/* Reads the arguments behind the verb. CLI_GO_ON, or the code to exit with: help was printed, or usage is wrong. */
 int cli_parse(cli_line *line, int argc, char **argv);
 /* Writes what was given of one of the line's tables over what is in its options. */
 void cli_apply_params(const cli_line *line, const pith_params *table, void *options);
@@ -75,7 +75,7 @@ typedef struct cli_model_flags { bool json, no_cache, no_displacement; int threa
     { "no-cache", 0, CLI_SWITCH, &(f).no_cache, NULL, "neither read nor write the saved model beside the document", 0, \
       0, NULL }
 
-/* ---- models ---------------------------------------------------------------------------------------------------------- */
+/* ---- models ------------------------------------------------------------------------------------------------------ */
 
 /* A document with its model, and the progress bar that goes with it. */
 typedef struct cli_model { pith_document *document; pith_model *model; } cli_model;
@@ -91,7 +91,7 @@ bool cli_states(const cli_model *opened, const pith_model *body, const char *key
 /* Which body is made of this solid. */
 size_t cli_body_of_solid(const cli_model *opened, const pith_solid *solid);
 
-/* ---- views: where pictures are taken from, where models are cut ---------------------------------------------------------- */
+/* ---- views: where pictures are taken from, where models are cut -------------------------------------------------- */
 
 typedef struct cli_camera {
     pith_vec3 eye, target, up, direction;
@@ -110,23 +110,24 @@ typedef struct cli_camera {
 /* Do the flags go together? CLI_GO_ON, or prints why not. */
 int cli_check_camera(const char *verb, const cli_camera *flags);
 /* The document's camera with the flags over it, fitted round the box where it is to be fitted. */
-pith_camera cli_place_camera(const cli_camera *flags, const pith_document *document, const pith_box *box, double aspect);
+pith_camera cli_place_camera(const cli_camera *flags, const pith_document *document, const pith_box *box,
+                             double aspect);
 
 /* A cut given on the command line, instead of the document's. The verb's line has the table pith_cut_step_params. */
 typedef struct cli_cut { pith_plane plane; cli_stroke stroke; bool has_plane, has_stroke; } cli_cut;
 #define CLI_CUT_FLAGS(c)                                                                                               \
-    { "plane", 0, CLI_PLANE, &(c).plane, "PX,..,NZ", "cut here (point and normal) instead of where the document says", 0, \
-      0, &(c).has_plane },                                                                                             \
-    { "stroke", 0, CLI_STROKE, &(c).stroke, "E;P;P..", "the same along a stroke: \"ex,ey,ez;x,y,z;x,y,z;…\", as seen from e", \
-      0, 0, &(c).has_stroke }
+    { "plane", 0, CLI_PLANE, &(c).plane, "PX,..,NZ", "cut here (point and normal) instead of where the document says", \
+      0, 0, &(c).has_plane },                                                                                          \
+    { "stroke", 0, CLI_STROKE, &(c).stroke, "E;P;P..",                                                                 \
+      "the same along a stroke, as seen from e: \"ex,ey,ez;x,y,z;x,y,z;…\"", 0, 0, &(c).has_stroke }
 /* CLI_GO_ON, or prints what does not go together. */
 int cli_check_cut(const cli_line *line, const cli_cut *flags);
 /* Cuts the model as the flags say, when they do. */
 pith_status cli_apply_cut(const cli_line *line, const cli_cut *flags, pith_model *model, pith_error *err);
 
-/* ---- reporting -------------------------------------------------------------------------------------------------------- */
+/* ---- reporting --------------------------------------------------------------------------------------------------- */
 
-/* Can a file be made at this path? Asked before the work rather than after it: CLI_GO_ON, or prints why not and fails. */
+/* Can a file be made at this path? Asked before the work, not after it: CLI_GO_ON, or prints why not and fails. */
 int cli_check_out(const char *verb, const char *path);
 /* "pith VERB: sentence" on the standard error; returns EXIT_FAILED. */
 int cli_fail(const char *verb, const pith_error *err);
@@ -148,7 +149,7 @@ void cli_program_folder(char *path, size_t capacity);
 /* The path of a shipped example, beside the build or where the source is; false when it is nowhere. */
 bool cli_find_example(const char *name, char *path, size_t capacity);
 
-/* ---- verbs ----------------------------------------------------------------------------------------------------------- */
+/* ---- verbs ------------------------------------------------------------------------------------------------------- */
 
 int verb_new(int argc, char **argv);
 int verb_info(int argc, char **argv);

@@ -56,7 +56,8 @@ typedef struct field {
 } field;
 
 /* The fields of a body, as far as they are needed; borrows model and flags. */
-pith_status field_open(const cli_model *opened, pith_model *body, const field_flags *asked, field *made, pith_error *err);
+pith_status field_open(const cli_model *opened, pith_model *body, const field_flags *asked, field *made,
+                       pith_error *err);
 void field_close(field *made);
 /* Depth at material coordinates, outside that of the nearest place; NULL when the body has none gives zeros. */
 pith_status field_depths(const field *from, const pith_vec3 *points, size_t count, double *depths, pith_error *err);

@@ -150,8 +150,10 @@ pith_status field_make_layers(field *to, pith_error *err)
     for (int i = 0; to->layered && i < to->layer_count; ++i) {
         field_layer *layer = &to->layers[i];
         if (!(layer->level > low && layer->level < high))
-            return pith_fail(err, PITH_BAD_ARGUMENT, "there is no layer of depth %g inside the body: its depth goes from %g "
-                             "to %g", layer->level, low, high);
+            return pith_fail(err, PITH_BAD_ARGUMENT,
+                             "there is no layer of depth %g inside the body: its depth goes from %g "
+                             "to %g",
+                             layer->level, low, high);
         PITH_TRY(field_layer_mesh(to, to->part, layer->level, &layer->mesh, err));
     }
     return PITH_OK;

@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-/* ---- places all over a layer or a body ------------------------------------------------------------------------------------ */
+/* ---- places all over a layer or a body --------------------------------------------------------------------------- */
 
 typedef struct places { pith_vec3 *points; size_t count, room; } places;
 
@@ -100,7 +100,7 @@ static pith_status thin(places *from, double distance, pith_error *err)
     return PITH_OK;
 }
 
-/* ---- directions on a layer -------------------------------------------------------------------------------------------------- */
+/* ---- directions on a layer --------------------------------------------------------------------------------------- */
 
 /* The field tangent to the layers, and nothing far from one of them. */
 typedef struct on_layer { const field *from; double level; } on_layer;
@@ -159,8 +159,8 @@ static pith_status snap(const field *from, double level, pith_polylines **lines,
             points[i] = pith_add(points[i], step);
         }
     pith_polylines *moved = NULL;
-    const pith_status status = pith_polylines_create(&(pith_polylines_view){ points, view.start, view.line_count }, &moved,
-                                                     err);
+    const pith_status status =
+        pith_polylines_create(&(pith_polylines_view){ points, view.start, view.line_count }, &moved, err);
     pith_free(points);
     if (status != PITH_OK) return status;
     pith_polylines_destroy(*lines);
@@ -168,7 +168,7 @@ static pith_status snap(const field *from, double level, pith_polylines **lines,
     return PITH_OK;
 }
 
-/* ---- lines -------------------------------------------------------------------------------------------------------------------- */
+/* ---- lines ------------------------------------------------------------------------------------------------------- */
 
 static pith_status lines_of_layer(const field *from, field_layer *layer, pith_error *err)
 {
@@ -180,8 +180,8 @@ static pith_status lines_of_layer(const field *from, field_layer *layer, pith_er
     pith_status status = layer->mesh ? places_of_mesh(layer->mesh, spacing * spacing, options->seed, &candidates, err)
                                      : places_of_tets(from, &candidates, err);
     if (status == PITH_OK)
-        status = pith_streamlines(layer->mesh ? &tangent : &from->directions, candidates.points, candidates.count, options,
-                                  cli_progress(), &layer->lines, err);
+        status = pith_streamlines(layer->mesh ? &tangent : &from->directions, candidates.points, candidates.count,
+                                  options, cli_progress(), &layer->lines, err);
     if (status == PITH_OK && layer->mesh) status = snap(from, layer->level, &layer->lines, err);
     pith_free(candidates.points);
     return status;
@@ -190,10 +190,12 @@ static pith_status lines_of_layer(const field *from, field_layer *layer, pith_er
 static pith_status check_directions(const field *from, pith_error *err)
 {
     if (!from->directions.sample)
-        return pith_fail(err, PITH_BAD_ARGUMENT, "lines and arrows on layers follow strokes, and the document has neither "
+        return pith_fail(err, PITH_BAD_ARGUMENT,
+                         "lines and arrows on layers follow strokes, and the document has neither "
                          "\"direction\" nor \"vectors\" for the body; the layers themselves go into .ply, .obj");
     if (from->layered && from->of == OF_PRIMARY)
-        return pith_fail(err, PITH_BAD_ARGUMENT, "primary directions run across the layers; --of secondary, tertiary or "
+        return pith_fail(err, PITH_BAD_ARGUMENT,
+                         "primary directions run across the layers; --of secondary, tertiary or "
                          "vectors have lines on a layer");
     return PITH_OK;
 }
@@ -208,7 +210,7 @@ pith_status field_make_lines(field *to, pith_error *err)
     return PITH_OK;
 }
 
-/* ---- arrows -------------------------------------------------------------------------------------------------------------------- */
+/* ---- arrows ------------------------------------------------------------------------------------------------------ */
 
 static const double arrow_pitch = 2.0; /* distance of arrows, in spacings of lines */
 
@@ -220,10 +222,12 @@ pith_status field_make_points(field *to, pith_error *err)
         field_layer *layer = &to->layers[i];
         const on_layer on = { to, layer->level };
         places at = { 0 };
-        pith_status status = layer->mesh ? places_of_mesh(layer->mesh, pitch * pitch / 20, to->asked->lines.seed, &at, err)
-                                         : places_of_body(to, pitch, &at, err);
+        pith_status status = layer->mesh
+                                 ? places_of_mesh(layer->mesh, pitch * pitch / 20, to->asked->lines.seed, &at, err)
+                                 : places_of_body(to, pitch, &at, err);
         if (status == PITH_OK && at.count == 0)
-            status = pith_fail(err, PITH_BAD_ARGUMENT, "arrows %g apart miss the body; a smaller --spacing sets more", pitch);
+            status = pith_fail(err, PITH_BAD_ARGUMENT, "arrows %g apart miss the body; a smaller --spacing sets more",
+                               pitch);
         if (status == PITH_OK && layer->mesh) status = thin(&at, 0.8 * pitch, err);
         layer->points = at.points;
         layer->count = at.count;
@@ -238,7 +242,7 @@ pith_status field_make_points(field *to, pith_error *err)
     return PITH_OK;
 }
 
-/* ---- colours --------------------------------------------------------------------------------------------------------------------- */
+/* ---- colours ----------------------------------------------------------------------------------------------------- */
 
 static bool by_depth(const field *from)
 {
@@ -327,7 +331,8 @@ pith_status field_line_mesh(const field *from, const field_layer *layer, pith_me
         const double length = 0.8 * arrow_pitch * spacing;
         pith_vec3 *tails = pith_alloc(layer->count, sizeof *tails); /* arrows lie with their middle at their place */
         if (!tails) return PITH_OUT_OF_MEMORY(err, "arrows");
-        for (size_t i = 0; i < layer->count; ++i) tails[i] = pith_madd(layer->points[i], layer->vectors[i], -0.5 * length);
+        for (size_t i = 0; i < layer->count; ++i)
+            tails[i] = pith_madd(layer->points[i], layer->vectors[i], -0.5 * length);
         const pith_status status = pith_glyphs(tails, layer->vectors, layer->count, length, &made, err);
         pith_free(tails);
         PITH_TRY(status);

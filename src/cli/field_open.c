@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- what there is ------------------------------------------------------------------------------------------------------- */
+/* ---- what there is ----------------------------------------------------------------------------------------------- */
 
 static pith_status choose(const field_flags *asked, bool depth, bool direction, bool vectors, field *made,
                           pith_error *err)
@@ -19,9 +19,11 @@ static pith_status choose(const field_flags *asked, bool depth, bool direction, 
                    : depth                                             ? OF_SECONDARY
                                                                        : OF_DEFAULT;
     if (made->of == OF_DEFAULT)
-        return pith_fail(err, PITH_BAD_ARGUMENT, "the body has no fields: neither \"depth\" nor \"vectors\" in the document");
+        return pith_fail(err, PITH_BAD_ARGUMENT,
+                         "the body has no fields: neither \"depth\" nor \"vectors\" in the document");
     if ((asked->layers.count || asked->depth) && !depth)
-        return pith_fail(err, PITH_BAD_ARGUMENT, "--%s needs a depth field, and the document has no \"depth\" for the body",
+        return pith_fail(err, PITH_BAD_ARGUMENT,
+                         "--%s needs a depth field, and the document has no \"depth\" for the body",
                          asked->depth ? "depth" : "layer");
     const bool frames = made->of == OF_SECONDARY || made->of == OF_TERTIARY;
     const char *missing = made->of == OF_VECTORS && !vectors ? "vectors"
@@ -35,7 +37,7 @@ static pith_status choose(const field_flags *asked, bool depth, bool direction, 
     return PITH_OK;
 }
 
-/* ---- directions ----------------------------------------------------------------------------------------------------------- */
+/* ---- directions -------------------------------------------------------------------------------------------------- */
 
 static pith_status make_tertiary(field *made, pith_error *err)
 {
@@ -70,13 +72,14 @@ static pith_status count_singular(field *made, pith_error *err)
     if (!made->depth) return PITH_OK;
     bool *marked = pith_alloc(made->view.tet_count, sizeof *marked);
     if (!marked) return PITH_OUT_OF_MEMORY(err, "singular tetrahedra");
-    const pith_status status = pith_frame_singular(made->tets, made->gradient, made->secondary, made->asked->angle, marked,
-                                                   &made->singular, err);
+    const pith_status status = pith_frame_singular(made->tets, made->gradient, made->secondary, made->asked->angle,
+                                                   marked, &made->singular, err);
     pith_free(marked);
     return status;
 }
 
-pith_status field_open(const cli_model *opened, pith_model *body, const field_flags *asked, field *made, pith_error *err)
+pith_status field_open(const cli_model *opened, pith_model *body, const field_flags *asked, field *made,
+                       pith_error *err)
 {
     const bool depth = cli_states(opened, body, "depth"), direction = cli_states(opened, body, "direction");
     const bool vectors = cli_states(opened, body, "vectors");
@@ -98,7 +101,8 @@ pith_status field_open(const cli_model *opened, pith_model *body, const field_fl
     made->layer_count = made->layered ? asked->layers.count : 1;
     for (int i = 0; i < asked->layers.count; ++i) { /* ascending, whatever their order was */
         int at = i;
-        for (; at > 0 && made->layers[at - 1].level > asked->layers.items[i]; --at) made->layers[at] = made->layers[at - 1];
+        for (; at > 0 && made->layers[at - 1].level > asked->layers.items[i]; --at)
+            made->layers[at] = made->layers[at - 1];
         made->layers[at].level = asked->layers.items[i];
     }
     return PITH_OK;

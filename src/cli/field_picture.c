@@ -21,7 +21,7 @@ static void scene_clear(scene *s)
     s->count = 0;
 }
 
-/* ---- the opened body -------------------------------------------------------------------------------------------------------- */
+/* ---- the opened body --------------------------------------------------------------------------------------------- */
 
 /* Through the middle, across the axis that is nearest to the line of sight: the section faces the eye. */
 static pith_plane plane_of(const field *from, pith_vec3 eye)
@@ -110,24 +110,26 @@ static pith_status add_layer(const field *from, int index, scene *s, pith_error 
     if (!layer->mesh) return PITH_OK;
     pith_part *part = NULL;
     if (opened) PITH_TRY(behind(from, &s->plane, NULL, &part, err));
-    const pith_status status = field_layer_mesh(from, opened ? part : from->part, layer->level, &s->meshes[s->count], err);
+    const pith_status status =
+        field_layer_mesh(from, opened ? part : from->part, layer->level, &s->meshes[s->count], err);
     pith_part_destroy(part);
     if (status != PITH_OK) return status;
     ++s->count;
     return opened ? clip(&s->meshes[s->count - 1], &s->plane, err) : PITH_OK;
 }
 
-/* ---- pictures ------------------------------------------------------------------------------------------------------------------ */
+/* ---- pictures ---------------------------------------------------------------------------------------------------- */
 
-static pith_status draw(const scene *s, size_t first, size_t end, const pith_render_options *options, pith_image **image,
-                        pith_error *err)
+static pith_status draw(const scene *s, size_t first, size_t end, const pith_render_options *options,
+                        pith_image **image, pith_error *err)
 {
     pith_render_item items[MOST_ITEMS] = { 0 };
     size_t count = 0;
     for (size_t i = first; i < end; ++i)
         if (pith_mesh_look(s->meshes[i]).triangle_count) items[count++].mesh = s->meshes[i];
     if (count == 0)
-        return pith_fail(err, PITH_BAD_ARGUMENT, "nothing of the body is behind the plane; --plane's normal points to what is "
+        return pith_fail(err, PITH_BAD_ARGUMENT,
+                         "nothing of the body is behind the plane; --plane's normal points to what is "
                          "taken away");
     return pith_render(items, count, &s->camera, options, cli_progress(), image, err);
 }
@@ -151,7 +153,8 @@ static pith_status draw_veiled(const scene *s, pith_image **image, pith_error *e
         const float *over = skin->pixels + 4 * i, a = veil * over[3];
         const float below = s->options.transparent ? under[3] : 1.0f, alpha = a + (1.0f - a) * below;
         for (int c = 0; c < 3; ++c) {
-            const float solid = s->options.transparent ? under[c] : under[3] * under[c] + (1.0f - under[3]) * background[c];
+            const float solid =
+                s->options.transparent ? under[c] : under[3] * under[c] + (1.0f - under[3]) * background[c];
             under[c] = alpha > 0.0f ? (a * over[c] + (1.0f - a) * below * solid) / alpha : 0.0f;
         }
         under[3] = alpha;
@@ -184,7 +187,8 @@ pith_status field_picture(field *from, const cli_line *line, const pith_document
     pith_image *image = NULL;
     pith_status status = fill_scene(from, &s, err);
     const bool veiled = from->asked->outline == OUTLINE_WHOLE && !from->asked->depth;
-    if (status == PITH_OK) status = veiled ? draw_veiled(&s, &image, err) : draw(&s, 0, s.count, &s.options, &image, err);
+    if (status == PITH_OK)
+        status = veiled ? draw_veiled(&s, &image, err) : draw(&s, 0, s.count, &s.options, &image, err);
     if (status == PITH_OK) status = cli_write_picture(image, path, err);
     pith_image_destroy(image);
     scene_clear(&s);

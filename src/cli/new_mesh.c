@@ -1,12 +1,12 @@
-/* A document for a mesh: the core of every component along its longest axis, and from there depth, directions, a cut and
-   a camera; what a texture type needs and no more. */
+/* A document for a mesh: the core of every component along its longest axis, and from there depth, directions, a cut
+   and a camera; what a texture type needs and no more. */
 #include "new.h"
 
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- an axis through a mesh ------------------------------------------------------------------------------------------ */
+/* ---- an axis through a mesh -------------------------------------------------------------------------------------- */
 
 /* Direction of the largest spread of the surface about its middle: the first eigenvector of its covariance, by repeated
    multiplication, which is enough where any of several equal axes will do. */
@@ -39,8 +39,8 @@ static pith_vec3 longest_axis(const pith_mesh_view *mesh, pith_vec3 *middle)
     return axis;
 }
 
-/* The longest stretch inside the mesh of the line through middle, drawn in by a fifth of itself at either end so that the
-   core keeps away from the skin. False when the line misses the inside. */
+/* The longest stretch inside the mesh of the line through middle, drawn in by a fifth of itself at either end so that
+   the core keeps away from the skin. False when the line misses the inside. */
 static bool core_segment(const pith_tracer *tracer, pith_vec3 middle, pith_vec3 axis, double reach, pith_vec3 ends[2])
 {
     enum { SAMPLES = 401 };
@@ -59,7 +59,7 @@ static bool core_segment(const pith_tracer *tracer, pith_vec3 middle, pith_vec3 
     return true;
 }
 
-/* ---- components --------------------------------------------------------------------------------------------------------- */
+/* ---- components -------------------------------------------------------------------------------------------------- */
 
 enum { MOST_CORES = 64 };
 
@@ -99,7 +99,8 @@ static void add_core(const pith_mesh_view *mesh, const uint32_t *parents, uint32
         const uint32_t *corners = mesh->triangles[t];
         if (parents[corners[0]] != root) continue;
         memcpy(own[component.triangle_count++], corners, sizeof *own);
-        const pith_vec3 a = mesh->positions[corners[0]], b = mesh->positions[corners[1]], c = mesh->positions[corners[2]];
+        const pith_vec3 a = mesh->positions[corners[0]], b = mesh->positions[corners[1]],
+                        c = mesh->positions[corners[2]];
         volume += pith_dot(a, pith_cross(b, c)) / 6.0;
         pith_box_add(&box, a);
         pith_box_add(&box, b);
@@ -117,7 +118,8 @@ static pith_status find_cores(const pith_mesh *mesh, cores *found, pith_error *e
     const pith_mesh_view view = pith_mesh_look(mesh);
     uint32_t *parents = find_components(&view), (*own)[3] = pith_alloc(view.triangle_count, sizeof *own);
     pith_tracer *tracer = NULL;
-    pith_status status = parents && own ? pith_tracer_create(&view, &tracer, err) : PITH_OUT_OF_MEMORY(err, "components");
+    pith_status status =
+        parents && own ? pith_tracer_create(&view, &tracer, err) : PITH_OUT_OF_MEMORY(err, "components");
     for (uint32_t v = 0; status == PITH_OK && v < view.vertex_count && found->count + found->missed < MOST_CORES; ++v)
         if (parents[v] == v) add_core(&view, parents, v, own, tracer, found);
     pith_tracer_destroy(tracer);
@@ -127,12 +129,14 @@ static pith_status find_cores(const pith_mesh *mesh, cores *found, pith_error *e
         status = pith_fail(err, PITH_BAD_MESH, "the mesh's longest axis does not run through its inside; start from a "
                            "template (pith new kiwi) and draw the core's stroke by hand");
     if (status == PITH_OK && found->missed)
-        fprintf(stderr, "pith new: of %d components of the mesh the longest axis does not run through the inside; draw their "
-                "strokes by hand\n", found->missed);
+        fprintf(stderr,
+                "pith new: of %d components of the mesh the longest axis does not run through the inside; draw their "
+                "strokes by hand\n",
+                found->missed);
     return status;
 }
 
-/* ---- documents ----------------------------------------------------------------------------------------------------------- */
+/* ---- documents --------------------------------------------------------------------------------------------------- */
 
 static json_t *segment_json(const pith_vec3 ends[2])
 {
@@ -223,7 +227,8 @@ static void add_fields(const new_wish *wish, const pith_mesh_report *report, con
     if (type->vectors) json_object_set_new(root, "vectors", json_pack("{so}", "inside", strokes_json(found)));
     if (!type->scale) return;
     /* About half as wide as the body is thick: the exemplar is seen several times. */
-    const double volume = report->closed ? report->volume : 0.0, diagonal = pith_distance(report->box.low, report->box.high);
+    const double volume = report->closed ? report->volume : 0.0,
+                 diagonal = pith_distance(report->box.low, report->box.high);
     const double fitted = volume > 0.0 ? 0.5 * cbrt(volume) : 0.25 * diagonal;
     json_object_set_new(root, "scale", json_pack("{s[{sosf}]}", "points", "point", cli_point_json(middle), "size",
                                                  wish->size > 0.0 ? wish->size : fitted));
@@ -251,8 +256,8 @@ static pith_status add_solid(const new_wish *wish, json_t *root, pith_error *err
     snprintf(recipe, sizeof recipe, "exemplars/%s.json", type->exemplar);
     if (!cli_find_example(recipe, path, sizeof path))
         return pith_fail(err, PITH_IO, "the exemplar %s is not beside the program nor where its source was", recipe);
-    json_t *solid = json_pack("{ss ss ss s{ss}}", "name", type->exemplar, "kind", "lapped", "type", type->word, "exemplar",
-                              "recipe", path);
+    json_t *solid = json_pack("{ss ss ss s{ss}}", "name", type->exemplar, "kind", "lapped", "type", type->word,
+                              "exemplar", "recipe", path);
     if (type->scale) json_object_set_new(solid, "blend", json_string("variance"));
     json_object_set_new(root, "solids", json_pack("[o]", solid));
     return new_inline_recipes(root, path, wish->out, err);

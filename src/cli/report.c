@@ -31,7 +31,7 @@ int cli_finish_output(const char *verb)
     return EXIT_FAILED;
 }
 
-/* ---- progress ----------------------------------------------------------------------------------------------------------- */
+/* ---- progress ---------------------------------------------------------------------------------------------------- */
 
 static bool bar_shown;
 
@@ -62,7 +62,7 @@ void cli_progress_done(void)
     bar_shown = false;
 }
 
-/* ---- pictures ------------------------------------------------------------------------------------------------------------ */
+/* ---- pictures ---------------------------------------------------------------------------------------------------- */
 
 pith_status cli_write_picture(const pith_image *image, const char *path, pith_error *err)
 {
@@ -78,7 +78,7 @@ pith_status cli_write_picture(const pith_image *image, const char *path, pith_er
     return status;
 }
 
-/* ---- JSON ----------------------------------------------------------------------------------------------------------------- */
+/* ---- JSON -------------------------------------------------------------------------------------------------------- */
 
 int cli_print_json(json_t *json)
 {
@@ -93,7 +93,7 @@ int cli_print_json(json_t *json)
 
 json_t *cli_point_json(pith_vec3 point) { return json_pack("[fff]", point.x, point.y, point.z); }
 
-/* ---- models --------------------------------------------------------------------------------------------------------------- */
+/* ---- models ------------------------------------------------------------------------------------------------------ */
 
 /* The document without its "displacement"; every body's when there are several. */
 static pith_status load_flat(const char *path, pith_document **document, pith_error *err)
@@ -123,7 +123,8 @@ int cli_open(const char *verb, const char *path, const cli_model_flags *flags, c
                                                       : pith_document_load(path, &opened->document, &err);
     if (loaded != PITH_OK) return cli_fail(verb, &err);
     const pith_model_options options = { .cache = !flags->no_cache };
-    if (pith_model_create(opened->document, &options, cli_progress(), &opened->model, &err) == PITH_OK) return CLI_GO_ON;
+    if (pith_model_create(opened->document, &options, cli_progress(), &opened->model, &err) == PITH_OK)
+        return CLI_GO_ON;
     pith_document_destroy(opened->document);
     return cli_fail(verb, &err);
 }
@@ -137,7 +138,7 @@ void cli_close(cli_model *opened)
     pith_document_destroy(opened->document);
 }
 
-/* ---- places --------------------------------------------------------------------------------------------------------------- */
+/* ---- places ------------------------------------------------------------------------------------------------------ */
 
 void cli_program_folder(char *path, size_t capacity)
 {

@@ -3,9 +3,9 @@
 
 #include <string.h>
 
-/* ---- voxels ----------------------------------------------------------------------------------------------------------- */
+/* ---- voxels ------------------------------------------------------------------------------------------------------ */
 
-/* A grid over all bodies: cubic voxels, `longest` along the longest side, with the channels of the solid that has most. */
+/* A grid over all bodies: cubic voxels, `longest` along the longest side; the channels of the solid that has most. */
 static pith_status make_grid(const cli_model *opened, uint32_t longest, pith_grid **grid, pith_error *err)
 {
     pith_box box = pith_box_empty();
@@ -22,7 +22,8 @@ static pith_status make_grid(const cli_model *opened, uint32_t longest, pith_gri
         if (pith_solid_channels(solid) > channels) channels = pith_solid_channels(solid);
     }
     const pith_vec3 extent = pith_sub(box.high, box.low);
-    const double sides[3] = { extent.x, extent.y, extent.z }, spacing = fmax(fmax(extent.x, extent.y), extent.z) / longest;
+    const double sides[3] = { extent.x, extent.y, extent.z },
+                 spacing = fmax(fmax(extent.x, extent.y), extent.z) / longest;
     double shift[3], bytes = sizeof(float) * channels;
     for (int k = 0; k < 3; ++k) { /* shorter sides are rounded up and centred */
         size[k] = (uint32_t)fmin(fmax(ceil(sides[k] / spacing - 1e-9), 1.0), longest);
@@ -30,8 +31,10 @@ static pith_status make_grid(const cli_model *opened, uint32_t longest, pith_gri
         bytes *= size[k];
     }
     if (bytes > 8.0 * 1024 * 1024 * 1024)
-        return pith_fail(err, PITH_BAD_ARGUMENT, "%u x %u x %u voxels of %u channels are %.1f GiB, 8 GiB are allowed; ask for "
-                         "fewer with --voxels", size[0], size[1], size[2], channels, bytes / (1024.0 * 1024 * 1024));
+        return pith_fail(err, PITH_BAD_ARGUMENT,
+                         "%u x %u x %u voxels of %u channels are %.1f GiB, 8 GiB are allowed; ask for "
+                         "fewer with --voxels",
+                         size[0], size[1], size[2], channels, bytes / (1024.0 * 1024 * 1024));
     PITH_TRY(pith_grid_create(size, channels, grid, err));
     (*grid)->origin = pith_add(box.low, pith_v3(shift[0], shift[1], shift[2]));
     (*grid)->spacing = pith_v3(spacing, spacing, spacing);
@@ -100,9 +103,10 @@ static pith_status bake_bodies(const cli_model *opened, uint32_t voxels, pith_gr
                          .weights = pith_alloc(cells, sizeof *layer.weights),
                          .footprints = pith_alloc(cells, sizeof *layer.footprints),
                          .answers = pith_alloc(cells * made->channels, sizeof *layer.answers) };
-    pith_status status = layer.centres && layer.tets && layer.cells && layer.weights && layer.footprints && layer.answers
-                             ? PITH_OK
-                             : PITH_OUT_OF_MEMORY(err, "a layer of voxels");
+    pith_status status =
+        layer.centres && layer.tets && layer.cells && layer.weights && layer.footprints && layer.answers
+            ? PITH_OK
+            : PITH_OUT_OF_MEMORY(err, "a layer of voxels");
     for (size_t i = 0; status == PITH_OK && i < pith_model_bodies(opened->model); ++i) {
         pith_model *body = NULL;
         status = pith_model_body(opened->model, i, &body, err);
@@ -142,10 +146,11 @@ static pith_status bake_voxels(const cli_model *opened, pith_model *body, const 
     return status;
 }
 
-/* ---- tetrahedra --------------------------------------------------------------------------------------------------------- */
+/* ---- tetrahedra -------------------------------------------------------------------------------------------------- */
 
 /* The solid's RGBA at every vertex, in double as VTU wants it. Caller frees. */
-static pith_status vertex_colours(const pith_solid *solid, const pith_tets_view *tets, double **colours, pith_error *err)
+static pith_status vertex_colours(const pith_solid *solid, const pith_tets_view *tets, double **colours,
+                                  pith_error *err)
 {
     const uint32_t channels = pith_solid_channels(solid);
     float *answers = pith_alloc((size_t)tets->vertex_count * channels, sizeof *answers);
@@ -201,11 +206,16 @@ int verb_bake(int argc, char **argv)
         CLI_THREADS_FLAG(common), CLI_CACHE_FLAG(common),
     };
     cli_line line = {
-        .verb = "bake", .words = "DOCUMENT -o FILE", .least_words = 1, .most_words = 1, .flags = flags,
+        .verb = "bake",
+        .words = "DOCUMENT -o FILE",
+        .least_words = 1,
+        .most_words = 1,
+        .flags = flags,
         .flag_count = sizeof flags / sizeof *flags,
-        .summary = "Asks the solid at the middle of every voxel that lies inside the shape, and writes an NRRD with the\n"
-                   "shape's own coordinates, over all bodies when there are several. Voxels outside have opacity 0. Into\n"
-                   "a .vtu go the tetrahedra of a body instead, with colour and all its fields at their vertices.",
+        .summary =
+            "Asks the solid at the middle of every voxel that lies inside the shape, and writes an NRRD with the\n"
+            "shape's own coordinates, over all bodies when there are several. Voxels outside have opacity 0. Into\n"
+            "a .vtu go the tetrahedra of a body instead, with colour and all its fields at their vertices.",
     };
     const int code = cli_parse(&line, argc, argv);
     if (code != CLI_GO_ON) return code;

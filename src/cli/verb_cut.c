@@ -32,7 +32,7 @@ static pith_status write_shell(const pith_render_item *item, const cut_flags *as
     return status;
 }
 
-/* ---- names ------------------------------------------------------------------------------------------------------------- */
+/* ---- names ------------------------------------------------------------------------------------------------------- */
 
 /* What comes before the number: BASE, or BASE-BODY where there are several bodies. */
 static void stem_of(const cli_model *opened, const char *base, size_t body, char stem[STEM_ROOM])
@@ -75,7 +75,7 @@ static void warn_of_stale(const json_t *report, const char *stem, const char *fo
     if (list[0]) fprintf(stderr, "pith cut: left from an earlier run, and not part of this one: %s\n", list);
 }
 
-/* ---- files ------------------------------------------------------------------------------------------------------------- */
+/* ---- files ------------------------------------------------------------------------------------------------------- */
 
 static pith_status write_all(const cli_model *opened, const cut_flags *asked, const char *base, json_t *report,
                              pith_error *err)
@@ -85,7 +85,8 @@ static pith_status write_all(const cli_model *opened, const cut_flags *asked, co
     char stem[STEM_ROOM], path[STEM_ROOM + 40];
     PITH_TRY(pith_model_items(opened->model, &items, &count, err));
     if (count == 0)
-        return pith_fail(err, PITH_BAD_ARGUMENT, "nothing is left of the model after the cuts; the plane or stroke misses "
+        return pith_fail(err, PITH_BAD_ARGUMENT,
+                         "nothing is left of the model after the cuts; the plane or stroke misses "
                          "it, and the side that is kept is the empty one");
     for (size_t i = 0; i < count; ++i) {
         stem_of(opened, base, cli_body_of_solid(opened, items[i].solid), stem);
@@ -146,24 +147,34 @@ int verb_cut(int argc, char **argv)
     cut_flags asked = { .format = "glb", .max_triangles = 2000000 };
     const cli_flag flags[] = {
         CLI_CUT_FLAGS(asked.cut),
-        { "out", 'o', CLI_TEXT, &asked.out, "BASE", "files are BASE-1.glb, BASE-2.glb, …; default: the document's name",
+        { "out", 'o', CLI_TEXT, &asked.out, "BASE", "files are BASE-1.glb, BASE-2.glb, …; default: the document's",
           0, 0, NULL },
         { "format", 0, CLI_TEXT, &asked.format, "glb|ply|obj", "kind of file; default glb", 0, 0, NULL },
-        { "edge", 0, CLI_NUMBER, &asked.edge, "X", "divide triangles until no edge is longer; 0: as cut", 0, 1e300, NULL },
-        { "max-triangles", 0, CLI_WHOLE, &asked.max_triangles, "N", "refuse to make more than this a half", 1, 1e9, NULL },
-        { "watertight", 0, CLI_SWITCH, &asked.watertight, NULL, "skin and section share the vertices of their border", 0,
-          0, NULL },
+        { "edge", 0, CLI_NUMBER, &asked.edge, "X", "divide triangles until no edge is longer; 0: as cut", 0, 1e300,
+          NULL },
+        { "max-triangles", 0, CLI_WHOLE, &asked.max_triangles, "N", "refuse to make more than this a half", 1, 1e9,
+          NULL },
+        { "watertight", 0, CLI_SWITCH, &asked.watertight, NULL, "skin and section share the vertices of their border",
+          0, 0, NULL },
         { "no-displacement", 0, CLI_SWITCH, &common.no_displacement, NULL,
           "leave the skin where it is, whatever the document says", 0, 0, NULL },
-        CLI_JSON_FLAG(common), CLI_THREADS_FLAG(common), CLI_CACHE_FLAG(common),
+        CLI_JSON_FLAG(common),
+        CLI_THREADS_FLAG(common),
+        CLI_CACHE_FLAG(common),
     };
     cli_line line = {
-        .verb = "cut", .words = "DOCUMENT", .least_words = 1, .most_words = 1, .flags = flags,
-        .flag_count = sizeof flags / sizeof *flags, .tables = { &pith_cut_step_params },
-        .summary = "Cuts the model along a plane or a stroke and writes what is left as meshes coloured by the solid, first\n"
-                   "the side the normal points away from (of a stroke: its left). A document of several bodies gives files\n"
-                   "BASE-BODY-1.glb, … for each. A colour sits at every vertex: --edge sets how fine the picture on the\n"
-                   "section becomes.",
+        .verb = "cut",
+        .words = "DOCUMENT",
+        .least_words = 1,
+        .most_words = 1,
+        .flags = flags,
+        .flag_count = sizeof flags / sizeof *flags,
+        .tables = { &pith_cut_step_params },
+        .summary =
+            "Cuts the model along a plane or a stroke and writes what is left as meshes coloured by the solid, first\n"
+            "the side the normal points away from (of a stroke: its left). A document of several bodies gives files\n"
+            "BASE-BODY-1.glb, … for each. A colour sits at every vertex: --edge sets how fine the picture on the\n"
+            "section becomes.",
     };
     int code = cli_parse(&line, argc, argv);
     if (code != CLI_GO_ON) return code;

@@ -179,7 +179,9 @@ int verb_demo(int argc, char **argv)
     printf("%-24s %7d %8s %10s %8d s %8.3f s %7.1f ms %6.1f MB\n", "Kiwi fruit (2008)", 4126, "-", "-", 29, 39.0, 78.0,
            9.1);
     printf("(2008: Takayama et al., Lapped Solid Textures, Table 1; \"fields\" there is the whole time of design)\n\n");
-    printf("look at  %s/kiwi.png and %s/kiwi_bunny.png\nbeside   the halves as *.glb, voxels as *.nrrd, the saved models "
-           "as *.pithc\n", folder, folder);
+    printf(
+        "look at  %s/kiwi.png and %s/kiwi_bunny.png\nbeside   the halves as *.glb, voxels as *.nrrd, the saved models "
+        "as *.pithc\n",
+        folder, folder);
     return cli_finish_output("demo");
 }

@@ -76,10 +76,15 @@ int verb_exemplar(int argc, char **argv)
         CLI_THREADS_FLAG(common),
     };
     cli_line line = {
-        .verb = "exemplar", .words = "layered RECIPE -o FILE", .least_words = 2, .most_words = 2, .flags = flags,
+        .verb = "exemplar",
+        .words = "layered RECIPE -o FILE",
+        .least_words = 2,
+        .most_words = 2,
+        .flags = flags,
         .flag_count = sizeof flags / sizeof *flags,
-        .summary = "Makes an exemplar by hand from a recipe in JSON: colours by depth, or a strip of a photograph, with\n"
-                   "bricks, noise and particles. The report gives its opacity and its seams: 1 or less tiles.",
+        .summary =
+            "Makes an exemplar by hand from a recipe in JSON: colours by depth, or a strip of a photograph, with\n"
+            "bricks, noise and particles. The report gives its opacity and its seams: 1 or less tiles.",
     };
     const int code = cli_parse(&line, argc, argv);
     if (code != CLI_GO_ON) return code;

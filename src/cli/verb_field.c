@@ -20,7 +20,7 @@ static field_kind kind_of(const char *path, bool glyphs)
     return pith_path_has_extension(path, "ply") || pith_path_has_extension(path, "obj") ? KIND_MESH : KIND_NONE;
 }
 
-/* ---- meshes --------------------------------------------------------------------------------------------------------------------- */
+/* ---- meshes ------------------------------------------------------------------------------------------------------ */
 
 /* Several meshes as one. */
 static pith_status join(pith_mesh *const *meshes, int count, pith_mesh **joined, pith_error *err)
@@ -83,7 +83,7 @@ static pith_status write_lines(const field *from, const char *path, pith_error *
     return status;
 }
 
-/* ---- report ----------------------------------------------------------------------------------------------------------------------- */
+/* ---- report ------------------------------------------------------------------------------------------------------ */
 
 static json_t *length_json(const field *from, size_t *lines, size_t *points)
 {
@@ -144,19 +144,23 @@ static json_t *report_json(const field *from)
     json_object_set_new(report, "seconds", json_pack("{sf sf}", "fields", from->field_seconds, "lines",
                                                      from->line_seconds));
     json_t *files = json_array();
-    for (int i = 0; i < from->asked->out.count; ++i) json_array_append_new(files, json_string(from->asked->out.items[i]));
+    for (int i = 0; i < from->asked->out.count; ++i)
+        json_array_append_new(files, json_string(from->asked->out.items[i]));
     json_object_set_new(report, "files", files);
     return report;
 }
 
 static void print_report(json_t *report)
 {
-    const json_t *length = json_object_get(report, "length"), *singular = json_object_get(report, "singular_tetrahedra");
+    const json_t *length = json_object_get(report, "length"),
+                 *singular = json_object_get(report, "singular_tetrahedra");
     const char *of = json_string_value(json_object_get(report, "of"));
     if (length)
-        printf("%s: %d lines of %d points, %.4g to %.4g long\n", of, (int)json_integer_value(json_object_get(report, "lines")),
+        printf("%s: %d lines of %d points, %.4g to %.4g long\n", of,
+               (int)json_integer_value(json_object_get(report, "lines")),
                (int)json_integer_value(json_object_get(report, "points")),
-               json_real_value(json_object_get(length, "shortest")), json_real_value(json_object_get(length, "longest")));
+               json_real_value(json_object_get(length, "shortest")),
+               json_real_value(json_object_get(length, "longest")));
     if (json_object_get(report, "arrows"))
         printf("%s: %d arrows\n", of, (int)json_integer_value(json_object_get(report, "arrows")));
     size_t i;
@@ -170,9 +174,9 @@ static void print_report(json_t *report)
                (int)json_integer_value(json_object_get(report, "tetrahedra")));
 }
 
-/* ---- the verb ----------------------------------------------------------------------------------------------------------------------- */
+/* ---- the verb ---------------------------------------------------------------------------------------------------- */
 
-/* Are lines or arrows wanted? Layers as files and the section need neither; a layer's picture has lines where it can. */
+/* Are lines or arrows wanted? Layers as files and the section need neither; a layer's picture has them if it can. */
 static bool wants_lines(const field *from, const field_flags *asked)
 {
     if (asked->depth) return false;
@@ -226,12 +230,13 @@ static int check_flags(const field_flags *asked, bool json)
         const char *path = asked->out.items[i];
         const field_kind kind = kind_of(path, asked->glyphs);
         if (kind == KIND_NONE)
-            return cli_misuse("field", "-o is %s, expected a file ending in .vtp, .glb, .ply, .obj, .png or .jpg", path);
+            return cli_misuse("field", "-o is %s, expected a file ending in .vtp, .glb, .ply, .obj, .png or .jpg",
+                              path);
         if (asked->glyphs && kind == KIND_LINES)
             return cli_misuse("field", "%s: a .vtp holds lines; arrows go into .glb, .ply, .obj or a picture", path);
         if (asked->depth && kind != KIND_PICTURE)
-            return cli_misuse("field", "%s: --depth makes pictures, .png or .jpg; pith bake -o FILE.vtu writes the field",
-                              path);
+            return cli_misuse("field",
+                              "%s: --depth makes pictures, .png or .jpg; pith bake -o FILE.vtu writes the field", path);
     }
     int code = cli_check_camera("field", &asked->camera);
     for (int i = 0; code == CLI_GO_ON && i < asked->out.count; ++i)
@@ -255,24 +260,35 @@ static int parse(int argc, char **argv, cli_line *line, field_flags *asked, cli_
     field_words words = { NULL, NULL, NULL };
     const cli_flag flags[] = {
         { "out", 'o', CLI_TEXTS, &asked->out, "FILE", "what to write; may be given several times", 0, 0, NULL },
-        { "of", 0, CLI_TEXT, &words.of, "FIELD", "primary (slope of depth), secondary (strokes), tertiary or vectors; "
-          "default: what there is", 0, 0, NULL },
+        { "of", 0, CLI_TEXT, &words.of, "FIELD",
+          "primary (slope of depth), secondary (strokes), tertiary or vectors; "
+          "default: what there is",
+          0, 0, NULL },
         { "body", 0, CLI_TEXT, &asked->body, "NAME", "which body, of several", 0, 0, NULL },
-        { "layer", 0, CLI_NUMBERS, &asked->layers, "D", "the layer of this depth, and lines on it; several times for more",
-          0, 1, NULL },
+        { "layer", 0, CLI_NUMBERS, &asked->layers, "D",
+          "the layer of this depth, and lines on it; several times for more", 0, 1, NULL },
         { "glyphs", 0, CLI_SWITCH, &asked->glyphs, NULL, "arrows instead of lines", 0, 0, NULL },
         { "depth", 0, CLI_SWITCH, &asked->depth, NULL, "a picture of the depth on a section", 0, 0, NULL },
-        { "plane", 0, CLI_PLANE, &asked->plane, "PX,..,NZ", "pictures are opened here, on the side the normal points to; "
-          "default: in the middle", 0, 0, &asked->has_plane },
-        { "outline", 0, CLI_TEXT, &words.outline, "open|whole|none", "the skin in pictures: opened, a veil, or none; default "
-          "open", 0, 0, NULL },
-        { "colour", 0, CLI_TEXT, &words.colour, "depth|direction", "of lines and arrows; default depth, where there is one",
+        { "plane", 0, CLI_PLANE, &asked->plane, "PX,..,NZ",
+          "pictures are opened here, on the side the normal points to; "
+          "default: in the middle",
+          0, 0, &asked->has_plane },
+        { "outline", 0, CLI_TEXT, &words.outline, "open|whole|none",
+          "the skin in pictures: opened, a veil, or none; default "
+          "open",
           0, 0, NULL },
-        { "radius", 0, CLI_NUMBER, &asked->radius, "X", "of tubes, in spacings of lines; default 0.15", 0.001, 1, NULL },
-        { "angle", 0, CLI_NUMBER, &asked->angle, "DEGREES", "tetrahedra count as singular where frames turn by more; default "
-          "60", 1, 90, NULL },
+        { "colour", 0, CLI_TEXT, &words.colour, "depth|direction",
+          "of lines and arrows; default depth, where there is one", 0, 0, NULL },
+        { "radius", 0, CLI_NUMBER, &asked->radius, "X", "of tubes, in spacings of lines; default 0.15", 0.001, 1,
+          NULL },
+        { "angle", 0, CLI_NUMBER, &asked->angle, "DEGREES",
+          "tetrahedra count as singular where frames turn by more; default "
+          "60",
+          1, 90, NULL },
         CLI_CAMERA_FLAGS(asked->camera),
-        CLI_JSON_FLAG(*common), CLI_THREADS_FLAG(*common), CLI_CACHE_FLAG(*common),
+        CLI_JSON_FLAG(*common),
+        CLI_THREADS_FLAG(*common),
+        CLI_CACHE_FLAG(*common),
     };
     line->flags = flags;
     line->flag_count = sizeof flags / sizeof *flags;
@@ -293,7 +309,11 @@ int verb_field(int argc, char **argv)
 {
     cli_model_flags common = { 0 };
     field_flags asked = { .radius = 0.15, .angle = 60, .lines = pith_streamline_options_default() };
-    cli_line line = { .verb = "field", .words = "DOCUMENT -o FILE", .least_words = 1, .most_words = 1, .summary = summary,
+    cli_line line = { .verb = "field",
+                      .words = "DOCUMENT -o FILE",
+                      .least_words = 1,
+                      .most_words = 1,
+                      .summary = summary,
                       .tables = { &pith_streamline_params, &pith_render_params } };
     int code = parse(argc, argv, &line, &asked, &common);
     if (code == CLI_GO_ON) code = check_flags(&asked, common.json);

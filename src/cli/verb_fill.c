@@ -31,14 +31,14 @@ static void print_report(const cli_model *opened, const pith_tets_report *tets)
 
 static json_t *seconds_json(const pith_model_times *t)
 {
-    return json_pack("{sf sf sf sf sf}", "shape", t->shape, "tets", t->tets, "fields", t->fields, "exemplar", t->exemplar,
-                     "fill", t->fill);
+    return json_pack("{sf sf sf sf sf}", "shape", t->shape, "tets", t->tets, "fields", t->fields, "exemplar",
+                     t->exemplar, "fill", t->fill);
 }
 
 static json_t *fill_json(const pith_lapped_report *fill)
 {
-    return json_pack("{si si si sf sf sf sf sI}", "patches", (int)fill->patches, "regrown", (int)fill->regrown, "pastes",
-                     (int)fill->pastes, "overlap", fill->overlap, "clump", fill->clump, "angle_mean_degrees",
+    return json_pack("{si si si sf sf sf sf sI}", "patches", (int)fill->patches, "regrown", (int)fill->regrown,
+                     "pastes", (int)fill->pastes, "overlap", fill->overlap, "clump", fill->clump, "angle_mean_degrees",
                      fill->angle_mean, "angle_95_degrees", fill->angle_95, "solid_bytes", (json_int_t)fill->bytes);
 }
 
@@ -52,7 +52,7 @@ static json_t *report_json(const cli_model *opened, const pith_tets_report *tets
     return report;
 }
 
-/* ---- several bodies ---------------------------------------------------------------------------------------------------- */
+/* ---- several bodies ---------------------------------------------------------------------------------------------- */
 
 /* Seconds of one body, "saved" where nothing had to be built. */
 static void print_column(double seconds)
@@ -137,11 +137,16 @@ int verb_fill(int argc, char **argv)
     cli_model_flags common = { 0 };
     const cli_flag flags[] = { CLI_JSON_FLAG(common), CLI_THREADS_FLAG(common), CLI_CACHE_FLAG(common) };
     cli_line line = {
-        .verb = "fill", .words = "DOCUMENT", .least_words = 1, .most_words = 1, .flags = flags,
+        .verb = "fill",
+        .words = "DOCUMENT",
+        .least_words = 1,
+        .most_words = 1,
+        .flags = flags,
         .flag_count = sizeof flags / sizeof *flags,
-        .summary = "Builds what the document describes (tetrahedra, fields, exemplar, solid; of every body), saves it\n"
-                   "beside the document (kiwi.pith -> kiwi.pithc), and reports. What is saved and still fits is not built\n"
-                   "again.",
+        .summary =
+            "Builds what the document describes (tetrahedra, fields, exemplar, solid; of every body), saves it\n"
+            "beside the document (kiwi.pith -> kiwi.pithc), and reports. What is saved and still fits is not built\n"
+            "again.",
     };
     const int code = cli_parse(&line, argc, argv);
     if (code != CLI_GO_ON) return code;

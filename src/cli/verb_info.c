@@ -175,8 +175,8 @@ static pith_status report_document(const cli_model *opened, json_t *report, pith
 /* Several bodies, a line each. */
 static void print_bodies(const json_t *list)
 {
-    printf("bodies\n  %-24s %-16s %-6s %10s %12s %12s  %s\n", "name", "solid", "type", "triangles", "tetrahedra", "volume",
-           "surface");
+    printf("bodies\n  %-24s %-16s %-6s %10s %12s %12s  %s\n", "name", "solid", "type", "triangles", "tetrahedra",
+           "volume", "surface");
     size_t i;
     json_t *body;
     json_array_foreach((json_t *)list, i, body) {

@@ -8,7 +8,7 @@
 static const char *const template_names[] = { "kiwi", "carrot", "tree", "watermelon", "sponge", "tube", "muscle",
                                               "flattened", "bricks", "strata", "cake", NULL };
 
-/* ---- JSON files -------------------------------------------------------------------------------------------------------- */
+/* ---- JSON files -------------------------------------------------------------------------------------------------- */
 
 static pith_status load_json(const char *path, json_t **root, pith_error *err)
 {
@@ -95,7 +95,7 @@ static pith_status new_from_template(const char *name, const char *out, pith_err
     return status;
 }
 
-/* ---- the verb --------------------------------------------------------------------------------------------------------------- */
+/* ---- the verb ---------------------------------------------------------------------------------------------------- */
 
 static pith_status new_from_mesh(const new_wish *wish, pith_error *err)
 {
@@ -111,7 +111,8 @@ static int check_from(const char *from, bool *is_template)
 {
     *is_template = false;
     for (size_t i = 0; template_names[i]; ++i) *is_template |= strcmp(from, template_names[i]) == 0;
-    if (*is_template || strcmp(from, "slab") == 0 || strcmp(from, "fruit") == 0 || pith_file_exists(from)) return CLI_GO_ON;
+    if (*is_template || strcmp(from, "slab") == 0 || strcmp(from, "fruit") == 0 || pith_file_exists(from))
+        return CLI_GO_ON;
     const char *near = pith_nearest_word(from, template_names);
     return cli_misuse("new", "\"%s\" is neither a template nor a file%s%s%s", from, near ? "; did you mean \"" : "",
                       near ? near : "", near ? "\"?" : "");
@@ -124,7 +125,8 @@ static int check_type(const char *word, bool is_template, bool has_size, new_wis
     if (word && pith_param_set_word(pith_params_find(&pith_lapped_params, "type"), &options, word, &err) != PITH_OK)
         return cli_misuse("new", "%s", err.message);
     if ((word || has_size) && is_template)
-        return cli_misuse("new", "--%s goes with a mesh, slab or fruit; a template is what it is", word ? "type" : "size");
+        return cli_misuse("new", "--%s goes with a mesh, slab or fruit; a template is what it is",
+                          word ? "type" : "size");
     wish->type = options.type;
     if (has_size && (wish->type == PITH_TYPE_1A || wish->type == PITH_TYPE_1B))
         return cli_misuse("new", "--size goes with types 0; of types 1 the depth field says how large the exemplar is");
@@ -138,21 +140,26 @@ int verb_new(int argc, char **argv)
     new_wish wish = { .tetrahedra = 5000 };
     const cli_flag flags[] = {
         { "type", 0, CLI_TEXT, &type, "0-A|..|1-B", "texture type of a mesh's inside; default 1-B", 0, 0, NULL },
-        { "size", 0, CLI_NUMBER, &wish.size, "X", "edge of the exemplar's cube, types 0; default: half as wide as the body",
-          1e-9, 1e9, &has_size },
+        { "size", 0, CLI_NUMBER, &wish.size, "X",
+          "edge of the exemplar's cube, types 0; default: half as wide as the body", 1e-9, 1e9, &has_size },
         { "tetrahedra", 0, CLI_WHOLE, &wish.tetrahedra, "N", "of a mesh's inside; default 5000", 50, 20000000, NULL },
         { "force", 'f', CLI_SWITCH, &force, NULL, "replace OUT when it exists", 0, 0, NULL },
     };
     cli_line line = {
-        .verb = "new", .words = "NAME|slab|fruit|MESH OUT", .least_words = 2, .most_words = 2, .flags = flags,
+        .verb = "new",
+        .words = "NAME|slab|fruit|MESH OUT",
+        .least_words = 2,
+        .most_words = 2,
+        .flags = flags,
         .flag_count = sizeof flags / sizeof *flags,
-        .summary = "Writes a new document: a copy of a template (kiwi, carrot, tree, watermelon, sponge, tube, muscle,\n"
-                   "flattened, bricks, strata, cake), or an inside for a mesh of yours, for a slab or for a fruit:\n"
-                   "  0-A  sponge, the same everywhere        1-A  watermelon, by depth\n"
-                   "  0-B  muscle, along the core             1-B  kiwi, by depth and along the core\n"
-                   "  0-C  flattened fibres, along the core and flat in its layers\n"
-                   "The core of each component runs along its longest axis. Edit it from there; docs/document.md explains\n"
-                   "every key.",
+        .summary =
+            "Writes a new document: a copy of a template (kiwi, carrot, tree, watermelon, sponge, tube, muscle,\n"
+            "flattened, bricks, strata, cake), or an inside for a mesh of yours, for a slab or for a fruit:\n"
+            "  0-A  sponge, the same everywhere        1-A  watermelon, by depth\n"
+            "  0-B  muscle, along the core             1-B  kiwi, by depth and along the core\n"
+            "  0-C  flattened fibres, along the core and flat in its layers\n"
+            "The core of each component runs along its longest axis. Edit it from there; docs/document.md explains\n"
+            "every key.",
     };
     int code = cli_parse(&line, argc, argv);
     if (code != CLI_GO_ON) return code;

@@ -64,7 +64,8 @@ static pith_status render_volume(const cli_model *opened, const cli_line *line, 
     const double aspect = (double)options.width / options.height;
     const pith_camera camera = cli_place_camera(&asked->camera, opened->document, &box, aspect);
     pith_image *image = NULL;
-    PITH_TRY(pith_render_volume(items, count, &camera, &options, transfer, transfer_count, cli_progress(), &image, err));
+    PITH_TRY(
+        pith_render_volume(items, count, &camera, &options, transfer, transfer_count, cli_progress(), &image, err));
     return write_picture(image, asked->out, err);
 }
 
@@ -73,8 +74,10 @@ static int check_kind(const cli_line *line, bool through)
 {
     const char *other = cli_only_of(line, through ? &pith_render_params : &pith_volume_params);
     if (!other) return CLI_GO_ON;
-    return through ? cli_misuse("render", "%s is of pictures of surfaces, and the document is translucent; --surface makes "
-                                "one", other)
+    return through ? cli_misuse("render",
+                                "%s is of pictures of surfaces, and the document is translucent; --surface makes "
+                                "one",
+                                other)
                    : cli_misuse("render", "%s is of translucent pictures, and the document is not; --volume makes one",
                                 other);
 }
@@ -100,20 +103,26 @@ int verb_render(int argc, char **argv)
         { "out", 'o', CLI_TEXT, &asked.out, "FILE", "the picture: .png or .jpg", 0, 0, NULL },
         CLI_CAMERA_FLAGS(asked.camera),
         CLI_CUT_FLAGS(asked.cut),
-        { "volume", 0, CLI_SWITCH, &asked.volume, NULL, "look through the model, though the document does not say so", 0,
-          0, NULL },
+        { "volume", 0, CLI_SWITCH, &asked.volume, NULL, "look through the model, though the document does not say so",
+          0, 0, NULL },
         { "surface", 0, CLI_SWITCH, &asked.surface, NULL, "look at its surfaces, though the document is translucent", 0,
           0, NULL },
         { "no-displacement", 0, CLI_SWITCH, &common.no_displacement, NULL,
           "leave the skin where it is, whatever the document says", 0, 0, NULL },
-        CLI_THREADS_FLAG(common), CLI_CACHE_FLAG(common),
+        CLI_THREADS_FLAG(common),
+        CLI_CACHE_FLAG(common),
     };
     cli_line line = {
-        .verb = "render", .words = "DOCUMENT -o FILE", .least_words = 1, .most_words = 1, .flags = flags,
+        .verb = "render",
+        .words = "DOCUMENT -o FILE",
+        .least_words = 1,
+        .most_words = 1,
+        .flags = flags,
         .flag_count = sizeof flags / sizeof *flags,
         .tables = { &pith_cut_step_params, &pith_render_params, &pith_volume_params },
-        .summary = "Makes a picture of the model with the document's cuts, camera and options: ray-traced surfaces, or a\n"
-                   "translucent picture when the document has \"volume\". Every option of either can be given here too.",
+        .summary =
+            "Makes a picture of the model with the document's cuts, camera and options: ray-traced surfaces, or a\n"
+            "translucent picture when the document has \"volume\". Every option of either can be given here too.",
     };
     int code = cli_parse(&line, argc, argv);
     if (code == CLI_GO_ON) code = check_flags(&line, &asked);
@@ -127,7 +136,8 @@ int verb_render(int argc, char **argv)
         pith_error err;
         pith_status status = cli_apply_cut(&line, &asked.cut, opened.model, &err);
         if (status == PITH_OK)
-            status = through ? render_volume(&opened, &line, &asked, &err) : render_surface(&opened, &line, &asked, &err);
+            status =
+                through ? render_volume(&opened, &line, &asked, &err) : render_surface(&opened, &line, &asked, &err);
         result = status == PITH_OK ? EXIT_DONE : cli_fail("render", &err);
     }
     cli_close(&opened);

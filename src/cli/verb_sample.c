@@ -41,13 +41,15 @@ static bool read_line(const char *text, pith_vec3 *point, pith_vec3 *normal)
     return count == 3 || count == 6;
 }
 
-/* ---- answers ------------------------------------------------------------------------------------------------------------- */
+/* ---- answers ----------------------------------------------------------------------------------------------------- */
 
 /* One solid about the points still open; those it has something at are taken off. */
 static pith_status ask_one(sampler *s, const pith_solid *solid, bool with_normals, size_t *open, pith_error *err)
 {
     const uint32_t channels = pith_solid_channels(solid);
-    const pith_query query = { .points = s->open_points, .normals = with_normals ? s->open_normals : NULL, .count = *open };
+    const pith_query query = { .points = s->open_points,
+                               .normals = with_normals ? s->open_normals : NULL,
+                               .count = *open };
     PITH_TRY(pith_solid_sample(solid, &query, s->answers, err));
     size_t left = 0;
     for (size_t i = 0; i < *open; ++i) {
@@ -87,7 +89,7 @@ static pith_status answer_lines(sampler *s, size_t first, size_t count, bool wit
     return PITH_OK;
 }
 
-/* ---- input ------------------------------------------------------------------------------------------------------------------ */
+/* ---- input ------------------------------------------------------------------------------------------------------- */
 
 /* Reads what there is behind what is not used yet; waits until there is something. */
 static pith_status read_more(sampler *s, pith_error *err)
@@ -126,7 +128,8 @@ static char *next_line(sampler *s, size_t *length)
 static pith_status take_line(sampler *s, size_t number, size_t *count, char *text, size_t length, pith_error *err)
 {
     if (length > LONGEST_LINE - 2)
-        return pith_fail(err, PITH_BAD_FILE, "%s: line %zu is longer than %d letters", s->name, number, LONGEST_LINE - 2);
+        return pith_fail(err, PITH_BAD_FILE, "%s: line %zu is longer than %d letters", s->name, number,
+                         LONGEST_LINE - 2);
     const size_t blank = strspn(text, " \t\r\n");
     if (blank == length || text[blank] == '#') return PITH_OK;
     if (strlen(text) != length || !read_line(text, &s->points[*count], &s->normals[*count]))
@@ -191,11 +194,12 @@ static pith_status sample_binary(sampler *s, pith_error *err)
             PITH_TRY(answer_binary(s, whole < BATCH ? whole : BATCH, err));
     }
     if (s->end > s->begin)
-        return pith_fail(err, PITH_BAD_FILE, "%s: ends in the middle of a point; expected triples of 64-bit floats", s->name);
+        return pith_fail(err, PITH_BAD_FILE, "%s: ends in the middle of a point; expected triples of 64-bit floats",
+                         s->name);
     return PITH_OK;
 }
 
-/* ---- the verb --------------------------------------------------------------------------------------------------------------- */
+/* ---- the verb ---------------------------------------------------------------------------------------------------- */
 
 /* The solids of the body asked for, or of all. */
 static pith_status find_solids(const cli_model *opened, pith_model *body, sampler *s, pith_error *err)
@@ -214,7 +218,8 @@ static pith_status find_solids(const cli_model *opened, pith_model *body, sample
     return PITH_OK;
 }
 
-static pith_status run(const cli_model *opened, pith_model *body, int in, const char *name, bool binary, pith_error *err)
+static pith_status run(const cli_model *opened, pith_model *body, int in, const char *name, bool binary,
+                       pith_error *err)
 {
     sampler s = { .in = in, .name = name };
     pith_status status = find_solids(opened, body, &s, err);
@@ -228,7 +233,8 @@ static pith_status run(const cli_model *opened, pith_model *body, int in, const 
         s.colours = pith_alloc((size_t)BATCH * s.channels, sizeof *s.colours);
         s.answers = pith_alloc((size_t)BATCH * s.channels, sizeof *s.answers);
         s.chunk = pith_alloc(CHUNK + 1, 1);
-        if (!s.points || !s.normals || !s.open_points || !s.open_normals || !s.open || !s.colours || !s.answers || !s.chunk)
+        if (!s.points || !s.normals || !s.open_points || !s.open_normals || !s.open || !s.colours || !s.answers ||
+            !s.chunk)
             status = PITH_OUT_OF_MEMORY(err, "points");
     }
     if (status == PITH_OK) status = binary ? sample_binary(&s, err) : sample_lines(&s, err);
@@ -250,19 +256,27 @@ int verb_sample(int argc, char **argv)
     bool binary = false;
     const char *name = NULL;
     const cli_flag flags[] = {
-        { "body", 0, CLI_TEXT, &name, "NAME", "of several bodies only this one; default: the first that has something at "
-          "the point", 0, 0, NULL },
-        { "binary", 0, CLI_SWITCH, &binary, NULL, "64-bit float triples in, 32-bit float tuples out, nothing between", 0, 0,
-          NULL },
-        CLI_THREADS_FLAG(common), CLI_CACHE_FLAG(common),
+        { "body", 0, CLI_TEXT, &name, "NAME",
+          "of several bodies only this one; default: the first that has something at "
+          "the point",
+          0, 0, NULL },
+        { "binary", 0, CLI_SWITCH, &binary, NULL, "64-bit float triples in, 32-bit float tuples out, nothing between",
+          0, 0, NULL },
+        CLI_THREADS_FLAG(common),
+        CLI_CACHE_FLAG(common),
     };
     cli_line line = {
-        .verb = "sample", .words = "DOCUMENT [FILE|-]", .least_words = 1, .most_words = 2, .flags = flags,
+        .verb = "sample",
+        .words = "DOCUMENT [FILE|-]",
+        .least_words = 1,
+        .most_words = 2,
+        .flags = flags,
         .flag_count = sizeof flags / sizeof *flags,
-        .summary = "Reads points, one \"x y z [nx ny nz]\" a line, and prints the solid there, one \"r g b a ...\" a line:\n"
-                   "linear RGB, opacity, further channels. Outside the shape all are 0. Empty lines and lines that\n"
-                   "begin with # are skipped. Without FILE, or with -, reads the standard input, and answers as soon as\n"
-                   "the input pauses, so that another program can talk with it.",
+        .summary =
+            "Reads points, one \"x y z [nx ny nz]\" a line, and prints the solid there, one \"r g b a ...\" a line:\n"
+            "linear RGB, opacity, further channels. Outside the shape all are 0. Empty lines and lines that\n"
+            "begin with # are skipped. Without FILE, or with -, reads the standard input, and answers as soon as\n"
+            "the input pauses, so that another program can talk with it.",
     };
     const int code = cli_parse(&line, argc, argv);
     if (code != CLI_GO_ON) return code;

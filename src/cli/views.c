@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-/* ---- bodies ----------------------------------------------------------------------------------------------------------- */
+/* ---- bodies ------------------------------------------------------------------------------------------------------ */
 
 int cli_choose_body(const char *verb, const cli_model *opened, const char *name, pith_model **body)
 {
@@ -33,8 +33,8 @@ size_t cli_body_of_solid(const cli_model *opened, const pith_solid *solid)
     for (size_t i = 0; i < pith_model_bodies(opened->model); ++i) {
         pith_model *body;
         const pith_solid *own;
-        if (pith_model_body(opened->model, i, &body, NULL) == PITH_OK && pith_model_solid(body, &own, NULL) == PITH_OK &&
-            own == solid)
+        if (pith_model_body(opened->model, i, &body, NULL) == PITH_OK &&
+            pith_model_solid(body, &own, NULL) == PITH_OK && own == solid)
             return i;
     }
     return 0;
@@ -48,14 +48,15 @@ bool cli_states(const cli_model *opened, const pith_model *body, const char *key
     pith_free(text);
     for (size_t i = 0; bodies && i < pith_model_bodies(opened->model); ++i) {
         pith_model *other;
-        if (pith_model_body(opened->model, i, &other, NULL) == PITH_OK && other == body) from = json_array_get(bodies, i);
+        if (pith_model_body(opened->model, i, &other, NULL) == PITH_OK && other == body)
+            from = json_array_get(bodies, i);
     }
     const bool states = json_object_get(from, key) != NULL;
     json_decref(root);
     return states;
 }
 
-/* ---- camera ------------------------------------------------------------------------------------------------------------ */
+/* ---- camera ------------------------------------------------------------------------------------------------------ */
 
 int cli_check_camera(const char *verb, const cli_camera *flags)
 {
@@ -89,15 +90,17 @@ pith_camera cli_place_camera(const cli_camera *flags, const pith_document *docum
     return fitted;
 }
 
-/* ---- cuts -------------------------------------------------------------------------------------------------------------- */
+/* ---- cuts -------------------------------------------------------------------------------------------------------- */
 
 int cli_check_cut(const cli_line *line, const cli_cut *flags)
 {
     if (flags->has_plane && flags->has_stroke)
-        return cli_misuse(line->verb, "--plane and --stroke are two cuts; give one of them, or write both into the document");
+        return cli_misuse(line->verb,
+                          "--plane and --stroke are two cuts; give one of them, or write both into the document");
     const char *of_cut = cli_only_of(line, &pith_cut_step_params);
     if (of_cut && !flags->has_plane && !flags->has_stroke)
-        return cli_misuse(line->verb, "%s goes with --plane or --stroke; without them the document's own cuts hold", of_cut);
+        return cli_misuse(line->verb, "%s goes with --plane or --stroke; without them the document's own cuts hold",
+                          of_cut);
     return CLI_GO_ON;
 }
 

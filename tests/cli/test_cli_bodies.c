@@ -12,9 +12,12 @@
     low "], \"size\": 0.8 } ] }, \"solids\": [ { \"name\": \"s\", \"kind\": \"lapped\", \"type\": \"0-A\", \"exemplar\": { "     \
     "\"layered\": { \"size\": [8, 8, 8], \"homogeneous\": true, \"stops\": [ { \"depth\": 0, \"colour\": \"" colour "\" } ] } } "  \
     "} ] }"
-static const char document[] = "{ \"pith\": 1, \"title\": \"layers\", \"bodies\": [ " LAYER("red", "-0.5", "0", "#ff0000")
-    ", " LAYER("the green/one", "0", "0.5", "#00ff00") ", " LAYER("blue", "-0.75", "0.25", "#0000ff") " ],"
-    " \"cuts\": [ { \"plane\": { \"point\": [0, 0, 0], \"normal\": [1, 0, 0] } } ] }";
+static const char document[] =
+    "{ \"pith\": 1, \"title\": \"layers\", \"bodies\": [ " LAYER("red", "-0.5", "0", "#ff0000") ", " LAYER(
+        "the green/one", "0", "0.5", "#00ff00") ", " LAYER("blue", "-0.75", "0.25",
+                                                           "#0000ff") " ],"
+                                                                      " \"cuts\": [ { \"plane\": { \"point\": [0, 0, "
+                                                                      "0], \"normal\": [1, 0, 0] } } ] }";
 
 static void write_document(void)
 {
@@ -86,8 +89,9 @@ static void test_cut_names_pieces_by_body(void **state)
     for (size_t i = 0; i < 6; ++i) volume += json_real_value(json_object_get(json_array_get(files, i), "volume"));
     CHECK_NEAR(volume, 2 * 0.996 * 4 * 0.6, 0.1);
     json_decref(report);
-    CHECK_RUN(0, "for f in k-red-1 k-red-2 k-the_green_one-1 k-the_green_one-2 k-blue-1 k-blue-2; do build/pith info $f.glb"
-                 " || exit 1; done");
+    CHECK_RUN(
+        0, "for f in k-red-1 k-red-2 k-the_green_one-1 k-the_green_one-2 k-blue-1 k-blue-2; do build/pith info $f.glb"
+           " || exit 1; done");
     CHECK_RUN(0, "build/pith cut layers.pith --out k --plane 0,0,0,1,0,0 --keep negative");
     CHECK_SAYS(run_err, "k-red-2.glb");
     CHECK_SAYS(run_err, "k-the_green_one-2.glb");
@@ -125,8 +129,9 @@ static void test_bake_covers_all(void **state)
     }
     CHECK_NEAR(seen[0] + seen[1] + seen[2], 20, 0);
     pith_grid_destroy(grid);
-    CHECK_RUN(0, "build/pith bake layers.pith -o blue.nrrd --voxels 16 --body blue && build/pith bake layers.pith -o b.vtu"
-                 " --body blue && build/pith info b.vtu");
+    CHECK_RUN(0,
+              "build/pith bake layers.pith -o blue.nrrd --voxels 16 --body blue && build/pith bake layers.pith -o b.vtu"
+              " --body blue && build/pith info b.vtu");
     grid = read_grid("blue.nrrd");
     CHECK_NEAR(grid->origin.z, -0.75, 1e-9);
     CHECK_NEAR(grid->size[2], 8, 0);
@@ -144,9 +149,10 @@ static void test_sample_answers_while_its_input_pauses(void **state)
 {
     (void)state;
     write_document();
-    CHECK_RUN(0, "build/pith fill layers.pith >/dev/null; mkfifo q a; build/pith sample layers.pith <q >a & exec 3>q 4<a;"
-                 " for z in -0.4 0.4 -0.7; do echo 0.1 0.1 $z >&3; timeout 60 head -n 1 <&4 || exit 9; done; exec 3>&-;"
-                 " wait; rm q a");
+    CHECK_RUN(0,
+              "build/pith fill layers.pith >/dev/null; mkfifo q a; build/pith sample layers.pith <q >a & exec 3>q 4<a;"
+              " for z in -0.4 0.4 -0.7; do echo 0.1 0.1 $z >&3; timeout 60 head -n 1 <&4 || exit 9; done; exec 3>&-;"
+              " wait; rm q a");
     CHECK_SAYS(run_out, "1 0 0 1\n0 1 0 1\n0 0 1 1\n");
 }
 
@@ -155,9 +161,11 @@ static void test_sample_does_not_depend_on_chunks(void **state)
 {
     (void)state;
     write_document();
-    CHECK_RUN(0, "i=0; while [ $i -lt 3000 ]; do echo \"0.$i 0.1 -0.4\"; echo \"0.1 0.2 0.3 0 0 1\"; i=$((i + 1)); done >p.txt;"
-                 " build/pith sample layers.pith p.txt >x.txt && { head -n 7 p.txt; sleep 0.2; tail -n +8 p.txt; } |"
-                 " build/pith sample layers.pith >y.txt && cmp x.txt y.txt && wc -l <x.txt");
+    CHECK_RUN(
+        0,
+        "i=0; while [ $i -lt 3000 ]; do echo \"0.$i 0.1 -0.4\"; echo \"0.1 0.2 0.3 0 0 1\"; i=$((i + 1)); done >p.txt;"
+        " build/pith sample layers.pith p.txt >x.txt && { head -n 7 p.txt; sleep 0.2; tail -n +8 p.txt; } |"
+        " build/pith sample layers.pith >y.txt && cmp x.txt y.txt && wc -l <x.txt");
     CHECK_SAYS(run_out, "6000");
     CHECK_RUN(1, "printf '0 0 0.2\\n1 2\\n0 0 0\\n' | build/pith sample layers.pith");
     CHECK_SAYS(run_err, "line 2");

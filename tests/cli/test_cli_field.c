@@ -9,15 +9,18 @@
 
 /* Two planes of points: the thin plate through them is the plane z = 0.8 (1 - depth). */
 static const char slab_document[] =
-    "{ \"pith\": 1, \"shape\": { \"slab\": { \"radius_x\": 1, \"radius_y\": 0.7, \"power\": 20, \"bottom\": 0, \"top\": 0.8,"
-    " \"detail\": 16 }, \"tets\": { \"tetrahedra\": 2000 } }, \"depth\": { \"constraints\": [ { \"depth\": 0, \"points\":"
+    "{ \"pith\": 1, \"shape\": { \"slab\": { \"radius_x\": 1, \"radius_y\": 0.7, \"power\": 20, \"bottom\": 0, "
+    "\"top\": 0.8,"
+    " \"detail\": 16 }, \"tets\": { \"tetrahedra\": 2000 } }, \"depth\": { \"constraints\": [ { \"depth\": 0, "
+    "\"points\":"
     " [[-0.8, -0.5, 0.8], [-0.8, 0.5, 0.8], [0.8, -0.5, 0.8], [0.8, 0.5, 0.8]] }, { \"depth\": 1, \"points\":"
     " [[-0.8, -0.5, 0], [-0.8, 0.5, 0], [0.8, -0.5, 0], [0.8, 0.5, 0]] } ] }%s }";
 static const char slab_stroke[] = ", \"direction\": { \"strokes\": [ [[-0.9, 0, 0.4], [0.9, 0, 0.4]] ] }";
 static const char slab_vectors[] = ", \"vectors\": { \"voxels\": 24, \"inside\": [ [[0, -0.6, 0.4], [0, 0.6, 0.4]] ] }";
 
 static const char ball_document[] =
-    "{ \"pith\": 1, \"shape\": { \"fruit\": { \"detail\": 3 }, \"tets\": { \"tetrahedra\": 2500 } }, \"depth\": { \"constraints\":"
+    "{ \"pith\": 1, \"shape\": { \"fruit\": { \"detail\": 3 }, \"tets\": { \"tetrahedra\": 2500 } }, \"depth\": { "
+    "\"constraints\":"
     " [ { \"faces\": \"all\", \"depth\": 0 }, { \"points\": [[0, 0, 0]], \"depth\": 1 } ] } }";
 
 static void write_file(const char *name, const char *format, ...)
@@ -41,7 +44,7 @@ static void write_documents(void)
     write_file("none.pith", "{ \"pith\": 1, \"shape\": { \"fruit\": { \"detail\": 2 } } }");
 }
 
-/* ---- lines ------------------------------------------------------------------------------------------------------------- */
+/* ---- lines ------------------------------------------------------------------------------------------------------- */
 
 /* What a VTP file of lines holds, read as the format says: the offsets of its arrays stand in its head. */
 typedef struct vtp { unsigned char *bytes; pith_vec3 *points; int32_t *ends; size_t points_count, lines; } vtp;
@@ -153,7 +156,7 @@ static void test_primary_lines_of_a_ball(void **state)
     free_vtp(&file);
 }
 
-/* ---- layers ------------------------------------------------------------------------------------------------------------- */
+/* ---- layers ------------------------------------------------------------------------------------------------------ */
 
 static void test_layers_are_where_depth_is(void **state)
 {
@@ -210,7 +213,7 @@ static void test_arrows(void **state)
     CHECK_RUN(0, "build/pith field slab.pith --glyphs --layer 0.5 -o on.obj && build/pith info on.obj");
 }
 
-/* ---- pictures ------------------------------------------------------------------------------------------------------------ */
+/* ---- pictures ---------------------------------------------------------------------------------------------------- */
 
 static pith_image *read_picture(const char *name)
 {
@@ -227,8 +230,9 @@ static void test_the_picture_of_depth(void **state)
 {
     (void)state;
     write_documents();
-    CHECK_RUN(0, "build/pith field bare.pith --depth -o d.png --plane 0,0,0,0,-1,0 --direction 0,-1,0 --up 0,0,1 --width 96"
-                 " --height 72 --samples 4 --transparent --threads 2");
+    CHECK_RUN(
+        0, "build/pith field bare.pith --depth -o d.png --plane 0,0,0,0,-1,0 --direction 0,-1,0 --up 0,0,1 --width 96"
+           " --height 72 --samples 4 --transparent --threads 2");
     pith_image *image = read_picture("d.png");
     assert_int_equal(image->channels, 4);
     int top = -1, bottom = -1;
@@ -246,8 +250,9 @@ static void test_the_picture_of_depth(void **state)
     CHECK_AT_LEAST(middle[1], 2 * middle[2]);
     CHECK_AT_LEAST(low[2], 4 * low[0]);
     pith_image_destroy(image);
-    CHECK_RUN(0, "build/pith field bare.pith --depth -o e.png --plane 0,0,0,0,-1,0 --direction 0,-1,0 --up 0,0,1 --width 96"
-                 " --height 72 --samples 4 --transparent yes --threads 1 && cmp d.png e.png");
+    CHECK_RUN(
+        0, "build/pith field bare.pith --depth -o e.png --plane 0,0,0,0,-1,0 --direction 0,-1,0 --up 0,0,1 --width 96"
+           " --height 72 --samples 4 --transparent yes --threads 1 && cmp d.png e.png");
 }
 
 static void test_pictures_of_lines(void **state)
@@ -257,7 +262,8 @@ static void test_pictures_of_lines(void **state)
     static const char *const outlines[] = { "open", "whole", "none" };
     double covered[3] = { 0 };
     for (int i = 0; i < 3; ++i) {
-        CHECK_RUN(0, "build/pith field ball.pith -o p.png --outline %s --width 80 --height 60 --samples 2 --transparent",
+        CHECK_RUN(0,
+                  "build/pith field ball.pith -o p.png --outline %s --width 80 --height 60 --samples 2 --transparent",
                   outlines[i]);
         pith_image *image = read_picture("p.png");
         for (size_t k = 0; k < 80 * 60; ++k) covered[i] += (double)image->pixels[4 * k + 3] / (80 * 60);
@@ -266,16 +272,18 @@ static void test_pictures_of_lines(void **state)
     CHECK_AT_LEAST(covered[2], 0.02);
     CHECK_AT_LEAST(covered[0], 0.05);
     CHECK_AT_LEAST(covered[1], covered[2] + 0.001); /* the veil covers more than the lines alone */
-    CHECK_RUN(0, "build/pith field slab.pith -o l.jpg --layer 0.25 --layer 0.5 --glyphs --width 40 --height 30 --samples 1");
+    CHECK_RUN(
+        0, "build/pith field slab.pith -o l.jpg --layer 0.25 --layer 0.5 --glyphs --width 40 --height 30 --samples 1");
 }
 
-/* ---- refusals ------------------------------------------------------------------------------------------------------------ */
+/* ---- refusals ---------------------------------------------------------------------------------------------------- */
 
 static void test_refusals(void **state)
 {
     (void)state;
     write_documents();
-    static const struct { int code; const char *line, *says; } cases[] = {
+    static const struct { int code; const char *line, *says;
+    } cases[] = {
         { 2, "slab.pith", "expected -o FILE" },
         { 2, "slab.pith -o x.txt", "expected a file ending in .vtp" },
         { 2, "slab.pith -o x.vtp --of secondry", "expected one of primary, secondary" },
@@ -295,7 +303,8 @@ static void test_refusals(void **state)
         { 1, "bare.pith -o x.vtp --layer 0.5", "neither \"direction\" nor \"vectors\"" },
         { 1, "slab.pith -o x.vtp --layer 0.5 --of primary", "across the layers" },
         { 1, "slab.pith -o x.ply --layer 1", "there is no layer of depth 1" },
-        { 1, "slab.pith -o x.png --plane 0,0,-9,0,0,1 --width 8 --height 8", "nothing of the body is behind the plane" },
+        { 1, "slab.pith -o x.png --plane 0,0,-9,0,0,1 --width 8 --height 8",
+          "nothing of the body is behind the plane" },
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         CHECK_RUN(cases[i].code, "build/pith field %s", cases[i].line);

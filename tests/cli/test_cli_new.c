@@ -23,8 +23,11 @@ static void test_every_type_fills_at_once(void **state)
         { "1-A", true, false, false, false }, { "1-B", true, true, false, false },
     };
     for (size_t i = 0; i < sizeof types / sizeof *types; ++i) {
-        CHECK_RUN(0, "build/pith new %s x.pith --force --type %s --tetrahedra 400 && sed -i 's/\"size\": \\[[0-9, ]*\\]/\"size\":"
-                     " [16, 16, 16]/; s/\"density\": [0-9.]*/\"density\": 4/' x.pith && build/pith fill x.pith --json --no-cache",
+        CHECK_RUN(0,
+                  "build/pith new %s x.pith --force --type %s --tetrahedra 400 && sed -i 's/\"size\": \\[[0-9, "
+                  "]*\\]/\"size\":"
+                  " [16, 16, 16]/; s/\"density\": [0-9.]*/\"density\": 4/' x.pith && build/pith fill x.pith --json "
+                  "--no-cache",
                   i % 2 ? "slab" : "data/meshes/patella.obj", types[i].type);
         json_t *report = json_loads(run_out, 0, NULL), *root = read_json("x.pith");
         CHECK_AT_LEAST(json_integer_value(json_object_get(json_object_get(report, "fill"), "patches")), 1);
@@ -40,7 +43,8 @@ static void test_every_type_fills_at_once(void **state)
     }
 }
 
-static void append(pith_mesh_view *to, pith_vec3 *positions, uint32_t (*triangles)[3], double radius, double shift, bool inward)
+static void append(pith_mesh_view *to, pith_vec3 *positions, uint32_t (*triangles)[3], double radius, double shift,
+                   bool inward)
 {
     pith_error err;
     pith_mesh *ball = NULL;
@@ -116,7 +120,8 @@ static void test_templates_and_refusals(void **state)
     (void)state;
     static const char *const names[] = { "sponge", "tube", "muscle", "flattened", "bricks", "strata", "cake" };
     for (size_t i = 0; i < sizeof names / sizeof *names; ++i)
-        CHECK_RUN(0, "build/pith new %s t.pith --force && build/pith validate t.pith && ! grep -q '\"recipe\"' t.pith", names[i]);
+        CHECK_RUN(0, "build/pith new %s t.pith --force && build/pith validate t.pith && ! grep -q '\"recipe\"' t.pith",
+                  names[i]);
     static const char *const cases[][2] = {
         { "kiwi k.pith --type 0-A", "--type goes with a mesh" },
         { "slab k.pith --type 2-A", "type" },

@@ -6,11 +6,13 @@
 #include "pith/image.h"
 
 /* A ball of radius 1 whose exemplar is the same everywhere, with this opacity; further keys at the end. */
-static const char ball[] =
-    "{ \"pith\": 1, \"shape\": { \"fruit\": { \"detail\": 3 }, \"tets\": { \"tetrahedra\": 800 } }, \"scale\": { \"points\":"
-    " [ { \"point\": [0, 0, 0], \"size\": 1 } ] }, \"solids\": [ { \"name\": \"a\", \"kind\": \"lapped\", \"type\": \"0-A\","
-    " \"exemplar\": { \"layered\": { \"size\": [16, 16, 16], \"homogeneous\": true, \"stops\": [ { \"depth\": 0, \"colour\":"
-    " \"#ff8000\", \"opacity\": %g } ] } } } ]%s }";
+static const char ball[] = "{ \"pith\": 1, \"shape\": { \"fruit\": { \"detail\": 3 }, \"tets\": { \"tetrahedra\": 800 "
+                           "} }, \"scale\": { \"points\":"
+                           " [ { \"point\": [0, 0, 0], \"size\": 1 } ] }, \"solids\": [ { \"name\": \"a\", \"kind\": "
+                           "\"lapped\", \"type\": \"0-A\","
+                           " \"exemplar\": { \"layered\": { \"size\": [16, 16, 16], \"homogeneous\": true, \"stops\": "
+                           "[ { \"depth\": 0, \"colour\":"
+                           " \"#ff8000\", \"opacity\": %g } ] } } } ]%s }";
 
 static void write_ball(const char *name, double opacity, const char *more)
 {
@@ -46,13 +48,15 @@ static void test_the_camera_is_where_the_flags_say(void **state)
 {
     (void)state;
     write_ball("ball.pith", 1, ", \"camera\": { \"eye\": [0, 0, 50], \"target\": [0, 0, 0], \"up\": [0, 1, 0] }");
-    CHECK_RUN(0, "build/pith render ball.pith -o a.png " SMALL " --eye 10,0,0 --target 0,0,0 --up 0,0,1 --field-of-view 20");
+    CHECK_RUN(0, "build/pith render ball.pith -o a.png " SMALL
+                 " --eye 10,0,0 --target 0,0,0 --up 0,0,1 --field-of-view 20");
     pith_image *image = read_picture("a.png");
     const double radius = 32 * tan(asin(0.1)) / tan(10 * M_PI / 180);
     CHECK_NEAR(sum_of_alpha(image), M_PI * radius * radius, 0.02 * M_PI * radius * radius); /* 1280 flat triangles */
     pith_image_destroy(image);
     /* Half the distance beside it: the target is what is in the middle. */
-    CHECK_RUN(0, "build/pith render ball.pith -o b.png " SMALL " --eye 10,0,0 --target 0,1.5,0 --up 0,0,1 --field-of-view 20");
+    CHECK_RUN(0, "build/pith render ball.pith -o b.png " SMALL
+                 " --eye 10,0,0 --target 0,1.5,0 --up 0,0,1 --field-of-view 20");
     image = read_picture("b.png");
     CHECK_NEAR(image->pixels[4 * (32 * 64 + 60) + 3], 0, 0.01);
     pith_image_destroy(image);
@@ -60,7 +64,8 @@ static void test_the_camera_is_where_the_flags_say(void **state)
     CHECK_RUN(0, "build/pith render ball.pith -o c.png " SMALL " --width 128 --direction 1,1,0 --up 0,0,1");
     image = read_picture("c.png");
     assert_int_equal(image->width, 128);
-    for (int i = 0; i < 64; ++i) CHECK_NEAR(image->pixels[4 * (i * 128) + 3] + image->pixels[4 * (i * 128 + 127) + 3], 0, 0);
+    for (int i = 0; i < 64; ++i)
+        CHECK_NEAR(image->pixels[4 * (i * 128) + 3] + image->pixels[4 * (i * 128 + 127) + 3], 0, 0);
     CHECK_AT_LEAST(sum_of_alpha(image), 0.3 * 64 * 64);
     pith_image_destroy(image);
     CHECK_RUN(0, "build/pith render ball.pith -o d.jpg --width 16 --height 16 --samples 1");
@@ -73,7 +78,8 @@ static void test_a_translucent_ball(void **state)
 {
     (void)state;
     static const char flags[] = "--width 65 --height 65 --samples 1 --transparent --unit 0.1 --slices 300";
-    write_ball("glass.pith", 0.2, ", \"camera\": { \"direction\": [0, 0, 1], \"up\": [0, 1, 0] }, \"volume\": { \"width\": 33 }");
+    write_ball("glass.pith", 0.2,
+               ", \"camera\": { \"direction\": [0, 0, 1], \"up\": [0, 1, 0] }, \"volume\": { \"width\": 33 }");
     CHECK_RUN(0, "build/pith render glass.pith -o g.png %s", flags);
     pith_image *image = read_picture("g.png");
     const double unit = 0.1 * 2 * sqrt(3);
@@ -157,8 +163,9 @@ static void test_cutting_along_strokes(void **state)
     CHECK_NEAR(bent[0] + bent[1], plane[0] + plane[1], 1e-6);
     CHECK_NEAR(bent_section[0], bent_section[1], 1e-6);
     CHECK_AT_LEAST(bent_section[0], plane_section[0]);
-    CHECK_RUN(0, "build/pith render ball.pith -o b.png --stroke '0,-10,0;2,0,-0.3;0,0,0.4;-2,0,-0.3' --gap 0.3 --width 16"
-                 " --height 16 --samples 1");
+    CHECK_RUN(0,
+              "build/pith render ball.pith -o b.png --stroke '0,-10,0;2,0,-0.3;0,0,0.4;-2,0,-0.3' --gap 0.3 --width 16"
+              " --height 16 --samples 1");
 }
 
 static void test_displacement_can_be_left_out(void **state)
@@ -206,7 +213,8 @@ static void test_bad_threads_are_told_once(void **state)
         CHECK_SAYS(run_err, "expected a whole number from 1 to 256");
         assert_null(strstr(strstr(run_err, "PITH_THREADS") + 1, "PITH_THREADS"));
     }
-    CHECK_RUN(0, "PITH_THREADS=2 build/pith info data/meshes/patella.obj && PITH_THREADS= build/pith info data/meshes/patella.obj");
+    CHECK_RUN(0, "PITH_THREADS=2 build/pith info data/meshes/patella.obj && PITH_THREADS= build/pith info "
+                 "data/meshes/patella.obj");
     assert_string_equal(run_err, "");
 }
 
