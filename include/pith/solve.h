@@ -26,7 +26,9 @@ extern const pith_params pith_solve_params;
 pith_solve_options pith_solve_options_default(void);
 
 /** Prepares  min |smooth x|² + |constrain x - b|²  (rows already multiplied by their weights): forms the normal matrix
- *  and factors it by supernodal Cholesky (CHOLMOD), or prepares conjugate gradients with shifted incomplete Cholesky.
+ *  and factors it by supernodal Cholesky (CHOLMOD), or prepares conjugate gradients with shifted incomplete Cholesky
+ *  and, above 20 000 unknowns of a mesh Laplacian with few constraints, groups of unknowns that each iteration solves for
+ *  exactly (Vaněk, Mandel and Brezina 1996).
  *  Both views are copied; columns of a row may come in any order, repeated ones are added up. `constrain` may have 0
  *  rows only if `smooth` has full rank. PITH_BAD_ARGUMENT for a malformed view, and when the system is singular, naming
  *  it so (conjugate gradients see it only in an unknown that no row mentions, else they settle on one solution).
@@ -42,7 +44,8 @@ pith_status pith_least_squares_constrain(pith_least_squares *system, const pith_
 /** Solves for `count` right-hand sides at once: b [count][constraint rows], x [count][unknowns]. Direct solutions are
  *  refined once against the rows themselves. PITH_NOT_CONVERGED when conjugate gradients give up. Measured on two
  *  cores, three right-hand sides: 40 000 unknowns of a squared Laplacian 2.4 s to factor and 0.1 s to solve, or 1 s by
- *  conjugate gradients; 200 000 unknowns 5 s by conjugate gradients. */
+ *  conjugate gradients; 200 000 unknowns 5 s by conjugate gradients. 37 000 vertices of a tetrahedral mesh with 4
+ *  strokes: 1.0 s by conjugate gradients in groups, 1.6 s without. */
 pith_status pith_least_squares_solve(const pith_least_squares *system, const double *b, uint32_t count, double *x,
                                      pith_error *err);
 

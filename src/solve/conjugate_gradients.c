@@ -24,6 +24,7 @@ struct cg_system {
     /* The incomplete factor: strict lower part by rows, and 1 / diagonal. */
     uint32_t *start, *column;   /* [count + 1] */
     float *value, *inverse;     /* [count] */
+    two_level *levels;          /* NULL: none */
 };
 
 void cg_destroy(cg_system *system)
@@ -39,6 +40,7 @@ void cg_destroy(cg_system *system)
     pith_free(system->value);
     pith_free(system->inverse);
     pith_free(system->scale);
+    two_level_destroy(system->levels);
     pith_free(system);
 }
 
@@ -254,7 +256,8 @@ done:
     return status;
 }
 
-pith_status cg_create(const sparse *smooth, const sparse *constrain, cg_system **system, pith_error *err)
+pith_status cg_create(const sparse *smooth, const sparse *constrain, uint32_t groups, cg_system **system,
+                      pith_error *err)
 {
     cg_system *made = pith_alloc(1, sizeof *made);
     if (!made) return PITH_OUT_OF_MEMORY(err, "the system");
@@ -263,6 +266,8 @@ pith_status cg_create(const sparse *smooth, const sparse *constrain, cg_system *
     if (status == PITH_OK) status = take_matrices(smooth, constrain, made, err);
     if (status == PITH_OK) status = scale_unknowns(made, err);
     if (status == PITH_OK) status = make_factor(made, err);
+    if (status == PITH_OK && groups > 0 && two_level_suits(smooth))
+        status = two_level_create(smooth, constrain, groups, made->order, made->scale, &made->levels, err);
     if (status != PITH_OK) {
         cg_destroy(made);
         return status;
@@ -281,6 +286,7 @@ typedef struct iteration {
     int threads;
     double *solution, *residual, *ahead, *product, *preconditioned;
     double *smooth_rows, *constrain_rows;   /* S p and C p */
+    double *held;                           /* [groups][width] */
     double (*partial)[MOST_WIDE];           /* [chunks] */
 } iteration;
 
@@ -352,8 +358,8 @@ static void advance(iteration *it, const double step[MOST_WIDE], double rr[MOST_
     add_partial(it, rr);
 }
 
-/* z = M⁻¹ r and p = z + β p with β = r·z / before (0 where before is 0); rz receives r·z = |L⁻¹ r|². One thread: each
-   row waits for the rows before it. Inlined with a constant width. */
+/* z = M⁻¹ r and p = z + β p with β = r·z / before (0 where before is 0); rz receives r·z, which is |L⁻¹ r|² and what the
+   groups add. One thread: each row waits for the rows before it. Inlined with a constant width. */
 static inline __attribute__((always_inline)) void turn_wide(const iteration *it, uint32_t width,
                                                             const double before[MOST_WIDE], double rz[MOST_WIDE])
 {
@@ -370,6 +376,8 @@ static inline __attribute__((always_inline)) void turn_wide(const iteration *it,
             z[(size_t)i * width + k] = sum[k];
         }
     }
+    double *correction = it->product; /* free until the matrix is next applied */
+    if (s->levels) two_level_correct(s->levels, width, it->residual, it->held, correction, square);
     for (uint32_t k = 0; k < width; ++k) {
         rz[k] = square[k];
         beta[k] = before[k] > 0.0 ? square[k] / before[k] : 0.0;
@@ -379,7 +387,7 @@ static inline __attribute__((always_inline)) void turn_wide(const iteration *it,
         for (uint32_t k = 0; k < width; ++k) {
             const size_t at = (size_t)i * width + k;
             here[k] = z[at] * s->inverse[i];
-            it->ahead[at] = here[k] + beta[k] * it->ahead[at];
+            it->ahead[at] = here[k] + beta[k] * it->ahead[at] + (s->levels ? correction[at] : 0.0);
         }
         for (uint32_t e = s->start[i]; e < s->start[i + 1]; ++e)
             for (uint32_t k = 0; k < width; ++k) z[(size_t)s->column[e] * width + k] -= s->value[e] * here[k];
@@ -442,9 +450,10 @@ pith_status cg_solve(const cg_system *system, uint32_t width, const double *righ
                      .ahead = block + 2 * size, .product = block + 3 * size, .preconditioned = block + 4 * size,
                      .smooth_rows = pith_alloc((size_t)system->smooth.rows * width, sizeof(double)),
                      .constrain_rows = pith_alloc((size_t)system->constrain.rows * width, sizeof(double)),
+                     .held = pith_alloc(system->levels ? (size_t)system->levels->count * width : 0, sizeof(double)),
                      .partial = pith_alloc(chunks, sizeof *it.partial), .threads = threads };
     pith_status status = PITH_OK;
-    if (!block || !it.smooth_rows || !it.constrain_rows || !it.partial) {
+    if (!block || !it.smooth_rows || !it.constrain_rows || !it.held || !it.partial) {
         status = PITH_OUT_OF_MEMORY(err, "conjugate gradients");
         goto done;
     }
@@ -459,6 +468,7 @@ done:
     pith_free(block);
     pith_free(it.smooth_rows);
     pith_free(it.constrain_rows);
+    pith_free(it.held);
     pith_free(it.partial);
     return status;
 }

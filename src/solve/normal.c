@@ -130,8 +130,8 @@ static int by_number(const void *a, const void *b)
     return left < right ? -1 : left > right;
 }
 
-/* The row's columns in the order of their first product; the diagonal is always among them. */
-static void gather_row(const sparse *pairs[4], uint32_t row, gatherer *into)
+/* The lower triangle of SᵀS + CᵀC from S, Sᵀ, C, Cᵀ; the diagonal is always there. */
+static void gather_normal(const sparse *const *pairs, uint32_t row, gatherer *into)
 {
     into->count = 0;
     gather_products(pairs[0], pairs[1], row, into);
@@ -150,7 +150,8 @@ static bool gatherer_create(uint32_t columns, gatherer *g)
     return g->value && g->mark && g->touched;
 }
 
-enum { MOST_GATHERERS = 8 }; /* each holds arrays as long as a column; more threads than this gain nothing here */
+/* Each gatherer holds arrays as long as a row; more threads than this gain nothing here. Rows go in packets. */
+enum { MOST_GATHERERS = 8, GATHERED = 1024 };
 
 typedef struct gatherers {
     gatherer item[MOST_GATHERERS];
@@ -166,64 +167,84 @@ static void gatherers_free(gatherers *all)
     }
 }
 
-static bool gatherers_create(uint32_t columns, gatherers *all)
+static bool gatherers_create(uint32_t rows, uint32_t columns, gatherers *all)
 {
-    all->count = pith_threads() < MOST_GATHERERS ? pith_threads() : MOST_GATHERERS;
+    const int useful = rows / GATHERED < MOST_GATHERERS ? (int)(rows / GATHERED) + 1 : MOST_GATHERERS;
+    all->count = pith_threads() < useful ? pith_threads() : useful;
     bool made = true;
     for (int i = 0; i < all->count; ++i) made = gatherer_create(columns, &all->item[i]) && made;
     return made;
 }
 
-/* Counts the entries of each row (lower->column NULL), or fills them in: both by the same gathering. */
-static void normal_pass(const sparse *pairs[4], gatherers *all, sparse *lower)
+/* By insertion where the row is short, as most are: qsort took half of the time of a product. */
+static void sort_columns(uint32_t *column, uint32_t count)
+{
+    if (count > 96) {
+        qsort(column, count, sizeof *column, by_number);
+        return;
+    }
+    for (uint32_t i = 1; i < count; ++i) {
+        const uint32_t c = column[i];
+        uint32_t at = i;
+        for (; at > 0 && column[at - 1] > c; --at) column[at] = column[at - 1];
+        column[at] = c;
+    }
+}
+
+/* Puts one row of a product of the sources into `into`, columns in the order of their first product. */
+typedef void gather(const sparse *const *sources, uint32_t row, gatherer *into);
+
+/* Counts the entries of each row (out->column NULL), or fills them in: both by the same gathering. */
+static void gather_pass(gather *one, const sparse *const *sources, gatherers *all, sparse *out)
 {
 #pragma omp parallel num_threads(all->count)
     {
         gatherer *g = &all->item[omp_get_thread_num()];
-        memset(g->mark, 0, lower->rows * sizeof *g->mark);
-#pragma omp for schedule(dynamic, 1024)
-        for (uint32_t row = 0; row < lower->rows; ++row) {
-            gather_row(pairs, row, g);
-            if (!lower->column) {
-                lower->start[row + 1] = g->count;
+        memset(g->mark, 0, out->columns * sizeof *g->mark);
+#pragma omp for schedule(dynamic, GATHERED)
+        for (uint32_t row = 0; row < out->rows; ++row) {
+            one(sources, row, g);
+            if (!out->column) {
+                out->start[row + 1] = g->count;
                 continue;
             }
-            qsort(g->touched, g->count, sizeof *g->touched, by_number);
+            sort_columns(g->touched, g->count);
             for (uint32_t k = 0; k < g->count; ++k) {
-                lower->column[lower->start[row] + k] = g->touched[k];
-                lower->value[lower->start[row] + k] = g->value[g->touched[k]];
+                out->column[out->start[row] + k] = g->touched[k];
+                out->value[out->start[row] + k] = g->value[g->touched[k]];
             }
         }
     }
 }
 
-static pith_status fill_normal(const sparse *pairs[4], uint32_t n, sparse *lower, pith_error *err)
+static pith_status gather_rows(gather *one, const sparse *const *sources, uint32_t rows, uint32_t columns,
+                               const char *name, sparse *out, pith_error *err)
 {
     gatherers all = { 0 };
-    sparse made = { n, n, pith_alloc((size_t)n + 1, sizeof *made.start), NULL, NULL };
+    sparse made = { rows, columns, pith_alloc((size_t)rows + 1, sizeof *made.start), NULL, NULL };
     pith_status status = PITH_OK;
-    if (!gatherers_create(n, &all) || !made.start) {
-        status = PITH_OUT_OF_MEMORY(err, "the normal matrix");
+    if (!gatherers_create(rows, columns, &all) || !made.start) {
+        status = PITH_OUT_OF_MEMORY(err, name);
         goto done;
     }
-    normal_pass(pairs, &all, &made);
+    gather_pass(one, sources, &all, &made);
     uint64_t entries = 0;
-    for (uint32_t row = 0; row < n; ++row) {
+    for (uint32_t row = 0; row < rows; ++row) {
         entries += made.start[row + 1];
         made.start[row + 1] = (uint32_t)entries;
     }
     if (entries > INT32_MAX) { /* CHOLMOD counts in int */
-        status = pith_fail(err, PITH_BAD_ARGUMENT, "the normal matrix of %u unknowns has more than 2^31 entries", n);
+        status = pith_fail(err, PITH_BAD_ARGUMENT, "%s of %u unknowns has more than 2^31 entries", name, columns);
         goto done;
     }
     made.column = pith_alloc(entries, sizeof *made.column);
     made.value = pith_alloc(entries, sizeof *made.value);
     if (!made.column || !made.value) {
-        status = PITH_OUT_OF_MEMORY(err, "the normal matrix");
+        status = PITH_OUT_OF_MEMORY(err, name);
         goto done;
     }
-    normal_pass(pairs, &all, &made);
-    *lower = made;
+    gather_pass(one, sources, &all, &made);
+    *out = made;
     made = (sparse){ 0 };
 done:
     gatherers_free(&all);
@@ -237,11 +258,34 @@ pith_status sparse_normal(const sparse *smooth, const sparse *constrain, sparse 
     pith_status status = sparse_transpose(smooth, &smooth_t, err);
     if (status == PITH_OK) status = sparse_transpose(constrain, &constrain_t, err);
     if (status == PITH_OK)
-        status = fill_normal((const sparse *[4]){ smooth, &smooth_t, constrain, &constrain_t }, smooth->columns, lower,
-                             err);
+        status = gather_rows(gather_normal, (const sparse *[4]){ smooth, &smooth_t, constrain, &constrain_t },
+                             smooth->columns, smooth->columns, "the normal matrix", lower, err);
     sparse_free(&smooth_t);
     sparse_free(&constrain_t);
     return status;
+}
+
+/* left times right. */
+static void gather_product(const sparse *const *factors, uint32_t row, gatherer *into)
+{
+    const sparse *left = factors[0], *right = factors[1];
+    into->count = 0;
+    for (uint32_t e = left->start[row]; e < left->start[row + 1]; ++e)
+        for (uint32_t f = right->start[left->column[e]]; f < right->start[left->column[e] + 1]; ++f) {
+            const uint32_t c = right->column[f];
+            if (into->mark[c] != row + 1) {
+                into->mark[c] = row + 1;
+                into->value[c] = 0.0;
+                into->touched[into->count++] = c;
+            }
+            into->value[c] += left->value[e] * right->value[f];
+        }
+}
+
+pith_status sparse_product(const sparse *left, const sparse *right, sparse *product, pith_error *err)
+{
+    return gather_rows(gather_product, (const sparse *[2]){ left, right }, left->rows, right->columns,
+                       "the product of two matrices", product, err);
 }
 
 bool sparse_contains(const sparse *outer, const sparse *inner)

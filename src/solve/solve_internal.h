@@ -54,6 +54,7 @@ pith_status sparse_copy(const pith_sparse_view *view, const char *name, sparse *
 pith_status sparse_transpose(const sparse *matrix, sparse *transposed, pith_error *err);
 /* Lower triangle (with diagonal, the last entry of its row, always there) of SᵀS + CᵀC. */
 pith_status sparse_normal(const sparse *smooth, const sparse *constrain, sparse *lower, pith_error *err);
+pith_status sparse_product(const sparse *left, const sparse *right, sparse *product, pith_error *err);
 /* True when every entry of inner has a place in outer. */
 bool sparse_contains(const sparse *outer, const sparse *inner);
 /* Writes inner's values into their places in outer, 0 elsewhere. outer must contain inner. */
@@ -63,12 +64,36 @@ void sparse_scatter(const sparse *inner, sparse *outer);
 void sparse_multiply(const sparse *matrix, uint32_t first, uint32_t last, uint32_t width, const double *x, double *y,
                      bool add);
 
+/* ---- groups of unknowns (two_level.c) ---------------------------------------------------------------------------- */
+
+/* Fields over the unknowns that a few thousand groups span, and the factor of the normal matrix among them: x = P c. */
+typedef struct two_level {
+    uint32_t count;                 /* of groups */
+    sparse spread, gather;          /* P and Pᵀ */
+    uint32_t *start, *row;          /* L by columns, below the diagonal */
+    double *value, *inverse;        /* L and 1 / its diagonal */
+} two_level;
+
+/* True when row i of the smoothness matrix says something about unknown i above all, as those of a mesh Laplacian do. */
+bool two_level_suits(const sparse *smooth);
+/* About `groups` of them (more where the system falls into parts). order and scale: place k of the result stands for
+   scale[k] times unknown order[k]. */
+pith_status two_level_create(const sparse *smooth, const sparse *constrain, uint32_t groups, const uint32_t *order,
+                             const double *scale, two_level **made, pith_error *err);
+void two_level_destroy(two_level *levels);
+/* correction = P (Pᵀ A P)⁻¹ Pᵀ residual, both [n][width], and adds residual · correction to sums; held
+   [count][width] is room to work. */
+void two_level_correct(const two_level *levels, uint32_t width, const double *residual, double *held,
+                       double *correction, double sums[4]);
+
 /* ---- conjugate gradients (conjugate_gradients.c) ----------------------------------------------------------------- */
 
 typedef struct cg_system cg_system;
 
-/* Prepares (SᵀS + CᵀC) x = r; the matrices are borrowed. */
-pith_status cg_create(const sparse *smooth, const sparse *constrain, cg_system **system, pith_error *err);
+/* Prepares (SᵀS + CᵀC) x = r; the matrices are borrowed. groups: how many groups of unknowns are solved for exactly in
+   every iteration, 0 for none; no groups are made where two_level_suits says no. */
+pith_status cg_create(const sparse *smooth, const sparse *constrain, uint32_t groups, cg_system **system,
+                      pith_error *err);
 void cg_destroy(cg_system *system);
 /* right [n][width] is read, x [n][width] is written; width 1..4; threads never changes the result. iterations may be
    NULL. */

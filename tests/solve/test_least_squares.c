@@ -192,6 +192,41 @@ static void the_methods_agree_on_a_larger_grid(void **state)
     for (size_t i = 0; i < RHS * N; ++i) CHECK_NEAR(iterative[i], direct[i], 1e-5);
 }
 
+/* Two points: what conjugate gradients find hardest. With groups they need less than half as many rounds. */
+static void groups_of_unknowns_agree_with_the_direct_solution(void **state)
+{
+    (void)state;
+    enum { G = 16, N = G * G * G, C = 2 };
+    static double b[C] = { 6.0, -2.0 }, direct[N], right[N], found[N];
+    uint32_t rounds[2] = { 0, 0 };
+    fill_grid(&smooth, G);
+    begin(&constrain, N);
+    for (uint32_t k = 0; k < C; ++k) {
+        put(&constrain, k * (N - 1), 3.0);
+        end_row(&constrain);
+        right[k * (N - 1)] = 3.0 * b[k];
+    }
+    const pith_solve_options options = with_method(DIRECT);
+    pith_least_squares *system = make(&smooth, &constrain, &options);
+    CHECK_OK(pith_least_squares_solve(system, b, 1, direct, &err));
+    pith_least_squares_destroy(system);
+    const pith_sparse_view s = view_of(&smooth), c = view_of(&constrain);
+    sparse smooth_copy, constrain_copy;
+    CHECK_OK(sparse_copy(&s, "smoothness", &smooth_copy, &err));
+    CHECK_OK(sparse_copy(&c, "constraint", &constrain_copy, &err));
+    assert_true(two_level_suits(&smooth_copy));
+    for (uint32_t groups = 0; groups < 2; ++groups) {
+        cg_system *cg = NULL;
+        CHECK_OK(cg_create(&smooth_copy, &constrain_copy, 150 * groups, &cg, &err));
+        CHECK_OK(cg_solve(cg, 1, right, 1e-12, 5000, 1, found, &rounds[groups], &err));
+        for (uint32_t i = 0; i < N; ++i) CHECK_NEAR(found[i], direct[i], 1e-6);
+        cg_destroy(cg);
+    }
+    assert_true(rounds[1] > 3 && 2 * rounds[1] < rounds[0]);
+    sparse_free(&smooth_copy);
+    sparse_free(&constrain_copy);
+}
+
 static void no_constraint_rows_will_do_when_smoothness_has_full_rank(void **state)
 {
     (void)state;
@@ -294,9 +329,8 @@ static void threads_do_not_change_a_bit_of_direct_solutions(void **state)
 }
 
 /* Nor does the company: each right-hand side gets the bits it would get alone. */
-static void threads_do_not_change_a_bit_of_iterative_solutions(void **state)
+static void check_bits_of_iterations(uint32_t groups)
 {
-    (void)state;
     enum { G = 20, N = G * G * G, C = 40 };
     static double right[4 * N], x[4 * N], first[4 * N], single[N], alone[N];
     fill_grid(&smooth, G);
@@ -307,7 +341,7 @@ static void threads_do_not_change_a_bit_of_iterative_solutions(void **state)
     cg_system *system = NULL;
     CHECK_OK(sparse_copy(&s, "smoothness", &smooth_copy, &err));
     CHECK_OK(sparse_copy(&c, "constraint", &constrain_copy, &err));
-    CHECK_OK(cg_create(&smooth_copy, &constrain_copy, &system, &err));
+    CHECK_OK(cg_create(&smooth_copy, &constrain_copy, groups, &system, &err));
     for (uint32_t width = 1; width <= 4; ++width)
         for (int threads = 1; threads <= 3; ++threads) {
             uint32_t rounds = 0;
@@ -324,6 +358,13 @@ static void threads_do_not_change_a_bit_of_iterative_solutions(void **state)
     cg_destroy(system);
     sparse_free(&smooth_copy);
     sparse_free(&constrain_copy);
+}
+
+static void threads_do_not_change_a_bit_of_iterative_solutions(void **state)
+{
+    (void)state;
+    check_bits_of_iterations(0);
+    check_bits_of_iterations(200);
 }
 
 /* ---- refusals ---------------------------------------------------------------------------------------------------- */
@@ -444,6 +485,30 @@ static void running_out_of_memory_leaks_and_breaks_nothing(void **state)
     }
 }
 
+static void running_out_of_memory_for_groups_leaks_nothing(void **state)
+{
+    (void)state;
+    enum { G = 5, N = G * G * G };
+    fill_grid(&smooth, G);
+    fill_points(&constrain, N, 3, 1.0, 75);
+    const pith_sparse_view s = view_of(&smooth), c = view_of(&constrain);
+    sparse smooth_copy, constrain_copy;
+    CHECK_OK(sparse_copy(&s, "smoothness", &smooth_copy, &err));
+    CHECK_OK(sparse_copy(&c, "constraint", &constrain_copy, &err));
+    pith_status status = PITH_NO_MEMORY;
+    for (size_t n = 0; n < 300 && status == PITH_NO_MEMORY; ++n) {
+        cg_system *cg = NULL;
+        pith_memory_fail_after(n);
+        status = cg_create(&smooth_copy, &constrain_copy, 10, &cg, &err);
+        pith_memory_fail_after(SIZE_MAX);
+        assert_true((status == PITH_OK) == (cg != NULL));
+        cg_destroy(cg);
+    }
+    CHECK_OK(status);
+    sparse_free(&smooth_copy);
+    sparse_free(&constrain_copy);
+}
+
 static void options_have_a_table(void **state)
 {
     (void)state;
@@ -461,6 +526,7 @@ int main(void)
         cmocka_unit_test(both_methods_match_elimination),
         cmocka_unit_test(a_grid_matches_elimination_for_light_and_heavy_constraints),
         cmocka_unit_test(the_methods_agree_on_a_larger_grid),
+        cmocka_unit_test(groups_of_unknowns_agree_with_the_direct_solution),
         cmocka_unit_test(no_constraint_rows_will_do_when_smoothness_has_full_rank),
         cmocka_unit_test(new_constraints_equal_a_fresh_system),
         cmocka_unit_test(failed_new_constraints_leave_the_old_ones_working),
@@ -470,6 +536,7 @@ int main(void)
         cmocka_unit_test(malformed_matrices_are_refused),
         cmocka_unit_test(giving_up_says_how_far_it_came),
         cmocka_unit_test(running_out_of_memory_leaks_and_breaks_nothing),
+        cmocka_unit_test(running_out_of_memory_for_groups_leaks_nothing),
         cmocka_unit_test(options_have_a_table),
     };
     return cmocka_run_group_tests_name("least_squares", tests, NULL, NULL);
