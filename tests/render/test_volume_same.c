@@ -214,7 +214,7 @@ static void test_tets_and_weights_are_those_of_the_point(void **state)
         const double z = pith_dot(pith_sub(part.positions[i], camera.eye), forward);
         near = fmin(near, z), far = fmax(far, z);
     }
-    const pith_box box = pith_box_of(part.material, part.vertex_count);
+    const pith_box box = pith_box_of(view.positions, view.vertex_count); /* of the whole model, also when it is cut */
     const double unit = 0.1 * pith_distance(box.low, box.high);
     for (o.method = 0; o.method < 2; ++o.method) {
         pith_image *image = draw(lower, solid, camera, &o);
