@@ -93,6 +93,15 @@ static inline spot entry_spot(const lapped_entry *entry, const float *own_s, con
     return at;
 }
 
+/* What is left of an alpha where the clump had to end inside its mask. */
+static inline float entry_faded(const lapped_entry *entry, const float w[4], float alpha)
+{
+    static const uint8_t whole[4] = { 1, 1, 1, 1 };
+    if (memcmp(entry->fade, whole, 4) == 0) return alpha;
+    return alpha * lapped_fade(w[0] * (float)entry->fade[0] + w[1] * (float)entry->fade[1] +
+                               w[2] * (float)entry->fade[2] + w[3] * (float)entry->fade[3]);
+}
+
 /* Alpha of an entry at a point: its mask, faded where the clump had to end inside the mask. cut: the patch's own mask, or
    NULL. */
 static inline float entry_alpha(const lapped_entry *entry, const lapped_patch *patch, const lapped_mask *masks,
@@ -101,10 +110,7 @@ static inline float entry_alpha(const lapped_entry *entry, const lapped_patch *p
     if (patch->exemplar > 0 && !(at.s > 0.0f && at.s < 1.0f)) return 0.0f; /* a pasted cube ends along s too */
     const float alpha = cut ? lapped_cut_alpha(cut, at.r, at.s, at.t)
                             : lapped_mask_alpha(&masks[patch->mask], at.r, at.s, at.t);
-    static const uint8_t whole[4] = { 1, 1, 1, 1 };
-    if (alpha == 0.0f || memcmp(entry->fade, whole, 4) == 0) return alpha;
-    return alpha * lapped_fade(w[0] * (float)entry->fade[0] + w[1] * (float)entry->fade[1] +
-                               w[2] * (float)entry->fade[2] + w[3] * (float)entry->fade[3]);
+    return alpha == 0.0f ? 0.0f : entry_faded(entry, w, alpha);
 }
 
 #endif

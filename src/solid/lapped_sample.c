@@ -133,6 +133,36 @@ static inline void gather_all(const lapped_solid *self, uint32_t tet, const floa
     if (normals) add_normal(self, depth, &normal, sum, out);
 }
 
+/* The same for most solids, which have but one exemplar of four channels, no patch cut to fit and no normal variables:
+   nothing of that is asked at every entry. The same operations in the same order, so the same bits. */
+static inline void gather_plain(const lapped_solid *self, uint32_t tet, const float w[4], float depth, gathered *sum,
+                                float *out)
+{
+    const lapped_exemplar *exemplar = &self->exemplars[0];
+    const uint32_t begin = self->entry_start[tet], end = self->entry_start[tet + 1];
+    v4 colour = { 0, 0, 0, 0 };
+    for (uint32_t e = begin; e < end && sum->through > 0.0f; ++e) {
+        const lapped_entry *entry = &self->entries[e];
+        const lapped_patch *patch = &self->patches[entry->patch];
+        const spot at = spot_of(self, e, w, depth);
+        float alpha = lapped_mask_alpha(&self->masks[patch->mask], at.r, at.s, at.t);
+        if (alpha == 0.0f) continue;
+        alpha = entry_faded(entry, w, alpha);
+        if (!(alpha > 0.0f)) continue;
+        const cell found = exemplar_cell(exemplar, patch, at);
+        const float factor = alpha * sum->through;
+        colour += factor * exemplar_colour(exemplar->values, 4, &found);
+        sum->weight += factor;
+        sum->through -= factor;
+    }
+    *(v4 *)out = colour;
+}
+
+static bool is_plain(const lapped_solid *self)
+{
+    return self->exemplar_count == 1 && self->base.channels == 4 && !self->cuts && !self->exemplars[0].gauss;
+}
+
 static void compose(const lapped_solid *self, uint32_t tet, const double weights[4], float *out)
 {
     const uint32_t channels = self->base.channels;
@@ -140,7 +170,8 @@ static void compose(const lapped_solid *self, uint32_t tet, const double weights
     const float depth = depth_at(self, tet, weights);
     gathered sum = { 1.0f, 0.0f, 0.0f };
     memset(out, 0, channels * sizeof *out);
-    gather_all(self, tet, w, depth, &sum, out);
+    if (is_plain(self)) gather_plain(self, tet, w, depth, &sum, out);
+    else gather_all(self, tet, w, depth, &sum, out);
     if (!(sum.weight > 0.0f)) {
         const uint32_t e = nearest_entry(self, tet, w, depth);
         gather(self, e, spot_of(self, e, w, depth), 1.0f, &sum, out);
