@@ -1,23 +1,32 @@
-// What everything of the page holds on to, and the two verbs it changes the document with.
+// Everything of the page that the parts of it share, and the verbs they change the document with.
 
 import type { Actions } from './actions';
 import type { Connection } from './connection';
 import type { Model } from './model';
-import type { Json, Point } from './protocol';
+import type { Json } from './protocol';
 import { bodyKey, type Store } from './store';
+import type { Toolbox } from './tools/toolbox';
 import type { Messages } from './ui/dialog';
+import type { Viewport } from './view/viewport';
 
-/** Where the eye is, as a document's camera says it. */
-export interface Pose { eye: Point; target: Point; up: Point; field_of_view: number }
+/** Times of things that go to the server and come back as a picture; benchmarks read them. */
+export class Timing {
+  readonly done: { [name: string]: { sent: number; arrived: number; drawn: number; bytes: number; server: { [stage: string]: number } }[] } = {};
+  private running: { name: string; sent: number } | null = null;
+  private arrived: { name: string; sent: number; arrived: number; bytes: number; server: { [stage: string]: number } } | null = null;
 
-/** What panels and commands ask of the view. */
-export interface Viewer {
-  pose(): Pose;
-  look(pose: Pose): void;
-  /** Shows everything, or the picked part. */
-  frame(): void;
-  /** Looks from a direction, at a fitted distance. */
-  from(direction: Point, up: Point): void;
+  begin(name: string): void { this.running = { name, sent: performance.now() }; }
+  view(bytes: number, server: { [stage: string]: number }): void {
+    if (!this.running) return;
+    this.arrived = { ...this.running, arrived: performance.now(), bytes, server };
+    this.running = null;
+  }
+  drawn(): void {
+    if (!this.arrived) return;
+    const { name, ...times } = this.arrived;
+    (this.done[name] ??= []).push({ ...times, drawn: performance.now() });
+    this.arrived = null;
+  }
 }
 
 export interface App {
@@ -25,8 +34,12 @@ export interface App {
   connection: Connection;
   actions: Actions;
   model: Model;
-  viewer: Viewer;
   messages: Messages;
+  viewport: Viewport;
+  toolbox: Toolbox;
+  timing: Timing;
+  /** Parts at their offsets, or all in one place: a cutting stroke goes through the model as one body. */
+  assemble(on: boolean): void;
 }
 
 /** Sets a value of the document, as a step called `name`. */

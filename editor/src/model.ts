@@ -3,7 +3,6 @@
 
 import type { Connection } from './connection';
 import type { Json, Packet, PartHead, Point } from './protocol';
-import type { Store } from './store';
 
 export interface MeshFacts {
   positions: Float32Array;          // [vertices][3]
@@ -31,7 +30,7 @@ export class Model {
   /** Called for every picture that comes. */
   onPicture: (picture: PictureFacts) => void = () => {};
 
-  constructor(private readonly store: Store, private readonly connection: Connection) {}
+  constructor(private readonly connection: Connection) {}
 
   /** Takes a packet that answers no request. */
   take(packet: Packet): void {
@@ -46,9 +45,7 @@ export class Model {
       this.triangles = (arrays.corners?.length ?? 0) / 3;
     } else if (packet.kind === 'picture') {
       this.onPicture({ job: head.job, width: head.width, height: head.height, final: head.final, png: arrays.png as Uint8Array });
-      return;
-    } else return;
-    this.store.set({ serial: this.store.state.serial + 1 });
+    }
   }
 
   /* A mesh whose paint alone changed comes without its shape. */

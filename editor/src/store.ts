@@ -58,7 +58,7 @@ export const initial: State = {
   revision: 0, document: {}, name: '', undo: [], redo: [], saved: true, recovered: false, bodies: [], automatic: true,
   jobs: [],
   tool: 'select', mode: 'solid', body: 0, part: null, paint: 0, erase: false, palette: [0, 0.25, 0.5, 0.75, 1],
-  crease: 30, layer: null, isolines: true, lines: 'none', linesOf: '', apart: 0, size: 0, pasting: null, keep: 'both',
+  crease: 30, layer: null, isolines: true, lines: 'none', linesOf: '', apart: 0, size: 0, pasting: null, keep: 'positive',
   separate: false, chosenCut: null, tab: 'inside', inspector: true, clip: false, theme: 'dark', hint: '', serial: 0,
 };
 

@@ -15,7 +15,8 @@ static const room rooms[] = {
     { "solid", 3 }, { "exemplar", 3 },
     { "render", 4 }, { "bake", 4 }, { "body", 4 }, { "heart", 4 }, { "head", 4 },
     { "document", 5 },
-    { "cli", 6 }, { "server", 6 },
+    { "server", 6 },
+    { "cli", 7 },
 };
 enum { ROOM_COUNT = sizeof rooms / sizeof *rooms, LONGEST_FILE = 900 };
 

@@ -32,6 +32,8 @@ export interface Tool {
   readonly key: string;             // the keyboard's letter
   readonly icon: string;            // of ui/icons.ts
   readonly hint: string;            // for the status bar
+  /** Does the tool use the shift key? Else shift-drags pan. */
+  readonly shift?: boolean;
   enter?(): void;
   leave?(): void;
   /** True when the tool takes the drag; else the camera does. */

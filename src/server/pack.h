@@ -1,0 +1,25 @@
+/* The packets that show a model, as docs/protocol.md lays them out ("The view"). They are made by the thread that has the
+   model; what they are made of is built if it is not yet. */
+#ifndef PITH_SERVER_PACK_H
+#define PITH_SERVER_PACK_H
+
+#include "packet.h"
+#include "pith/document.h"
+
+/* What a packet is stamped with. */
+typedef struct pack_stamp {
+    uint64_t revision;          /* of the document; only in "view" */
+    uint64_t serial;            /* grows with every packet of the server */
+    json_int_t id;              /* of the request it answers; 0: none, "id" is left out */
+} pack_stamp;
+
+/* `mesh` of one body; name is the body's, "" where the document has only one. paint_only: without positions and
+   triangles. O(triangles). */
+pith_status pack_mesh(pith_model *body, const char *name, bool paint_only, const pack_stamp *stamp, packet **made,
+                      pith_error *err);
+/* `solid` of one body. */
+pith_status pack_solid(pith_model *body, const char *name, const pack_stamp *stamp, packet **made, pith_error *err);
+/* `view` of the whole model, cut as it is now; bodies without a solid come without layers. */
+pith_status pack_view(pith_model *model, const pack_stamp *stamp, packet **made, pith_error *err);
+
+#endif
