@@ -81,7 +81,8 @@ export function hold(element: HTMLElement, on: boolean): void {
 }
 
 /** Builds a host's children from what `read` gives, and again whenever that changes; `read` gives plain JSON and is
-    asked after the keys of the store have changed. Waits while a control inside is held. Returns the way to stop. */
+    asked after the keys of the store have changed. Waits while a control inside is held. Returns the way to ask at
+    once, for what `read` knows beside the store. */
 export function live<T>(store: Store, host: HTMLElement, keys: (keyof State)[], read: (state: State) => T,
   build: (value: T) => Child): () => void {
   let shown: string | undefined;
@@ -95,7 +96,8 @@ export function live<T>(store: Store, host: HTMLElement, keys: (keyof State)[], 
   };
   host.addEventListener('released', () => queueMicrotask(refresh));
   refresh();
-  return store.on(keys, refresh);
+  store.on(keys, refresh);
+  return refresh;
 }
 
 let serial = 0;
