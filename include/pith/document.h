@@ -120,6 +120,20 @@ pith_status pith_model_create(const pith_document *document, const pith_model_op
                               const pith_progress *progress, pith_model **model, pith_error *err);
 void pith_model_destroy(pith_model *model);
 
+/** Takes over from another model every stage that `to` would build from the same input and has not built yet: mesh,
+ *  tets, locator, fields, exemplar, solid, the whole part, and what cuts made. Nothing is copied: both models hold it, and
+ *  either may be destroyed first. The stages are the bits that `to` would have built, and count in its times as not
+ *  needed. Bodies are matched by name, else by their place. What is taken over is not written to the cache of `to`.
+ *  From several models: one call each. `from` is not changed; while this runs, nothing may be built in either. Afterwards
+ *  the two may be used from different threads. Takes microseconds. */
+void pith_model_share(pith_model *to, const pith_model *from);
+
+/** What of a body is there without building: built, taken from a cache, or shared. fields: every field that the body's
+ *  document describes, true when it describes none. */
+typedef struct pith_model_state { bool mesh, tets, fields, solid; } pith_model_state;
+/** Of a model of several bodies: what all of them have. Not while something is built in the model. */
+pith_model_state pith_model_built(const pith_model *model);
+
 /** Each builds what it needs and returns something the model owns; outputs may be NULL. Not for several threads. */
 pith_status pith_model_mesh(pith_model *model, const pith_mesh **mesh, const pith_mesh_report **report,
                             pith_error *err);

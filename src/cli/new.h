@@ -18,5 +18,8 @@ typedef struct new_wish {
 } new_wish;
 /* The document for it, with strokes, sizes, a cut and a camera to start from; the caller releases it. */
 pith_status new_for_mesh(const new_wish *wish, json_t **root, pith_error *err);
+/* The same, checked and written to wish->out. */
+pith_status new_write_for_mesh(const new_wish *wish, pith_error *err);
+enum { NEW_TETRAHEDRA = 5000 }; /* of a mesh's inside, when nobody says otherwise */
 
 #endif

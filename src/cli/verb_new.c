@@ -97,7 +97,7 @@ static pith_status new_from_template(const char *name, const char *out, pith_err
 
 /* ---- the verb ---------------------------------------------------------------------------------------------------- */
 
-static pith_status new_from_mesh(const new_wish *wish, pith_error *err)
+pith_status new_write_for_mesh(const new_wish *wish, pith_error *err)
 {
     json_t *root = NULL;
     PITH_TRY(new_for_mesh(wish, &root, err));
@@ -137,7 +137,7 @@ int verb_new(int argc, char **argv)
 {
     bool force = false, has_size = false, is_template;
     const char *type = NULL;
-    new_wish wish = { .tetrahedra = 5000 };
+    new_wish wish = { .tetrahedra = NEW_TETRAHEDRA };
     const cli_flag flags[] = {
         { "type", 0, CLI_TEXT, &type, "0-A|..|1-B", "texture type of a mesh's inside; default 1-B", 0, 0, NULL },
         { "size", 0, CLI_NUMBER, &wish.size, "X",
@@ -173,6 +173,6 @@ int verb_new(int argc, char **argv)
         pith_fail(&err, PITH_BAD_ARGUMENT, "%s exists; --force replaces it", wish.out);
         return cli_fail("new", &err);
     }
-    const pith_status status = is_template ? new_from_template(wish.from, wish.out, &err) : new_from_mesh(&wish, &err);
+    const pith_status status = is_template ? new_from_template(wish.from, wish.out, &err) : new_write_for_mesh(&wish, &err);
     return status == PITH_OK ? EXIT_DONE : cli_fail("new", &err);
 }

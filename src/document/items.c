@@ -79,7 +79,11 @@ static pith_status lay_open(pith_model *model, const piece *from, const pith_cut
 pith_status pith_model_part(pith_model *model, const pith_part **part, pith_error *err)
 {
     PITH_TRY(pith_model_tets(model, NULL, NULL, err));
-    if (!model->whole) PITH_TRY(pith_part_whole(model->tets, &model->whole, err));
+    if (!model->whole) {
+        pith_part *made = NULL;
+        PITH_TRY(pith_part_whole(model->tets, &made, err));
+        PITH_TRY(model_hold(model, STAGE_WHOLE, made, err));
+    }
     if (part) *part = model->whole;
     return PITH_OK;
 }

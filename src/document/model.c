@@ -209,18 +209,7 @@ void pith_model_destroy(pith_model *model)
     for (size_t i = 0; i < model->body_count; ++i) pith_model_destroy(model->bodies[i]);
     pith_free(model->bodies);
     cut_list_clear(&model->cuts);
-    pith_part_destroy(model->whole);
-    pith_solid_destroy(model->solid);
-    pith_grid_destroy(model->exemplar);
-    pith_free(model->scale);
-    pith_free(model->directions);
-    pith_volume_field_destroy(model->vectors);
-    pith_free(model->secondary);
-    pith_free(model->gradient);
-    pith_free(model->depth);
-    pith_locator_destroy(model->locator);
-    pith_tets_destroy(model->tets);
-    pith_mesh_destroy(model->mesh);
+    model_release_stages(model);
     cache_destroy(model->store);
     pith_free(model);
 }

@@ -193,6 +193,17 @@ static void slots_keep(pith_model *model, const slots *all)
     model_keep(model, all->stage, all->key, &out);
 }
 
+/* Makes the arrays the body's stages; takes them over, also when it fails. */
+static pith_status slots_hold(pith_model *model, slots *all, const model_stage *stages, pith_error *err)
+{
+    pith_status status = PITH_OK;
+    for (size_t i = 0; i < all->count; ++i) {
+        if (status == PITH_OK) status = model_hold(model, stages[i], all->slot[i].values, err);
+        else pith_free(all->slot[i].values);
+    }
+    return status;
+}
+
 /* The kept arrays, or built ones, which are then kept. */
 static pith_status slots_obtain(pith_model *model, slots *all,
                                 pith_status (*build)(pith_model *model, slots *all, pith_error *err), pith_error *err)
@@ -217,7 +228,12 @@ static pith_status build_fields(pith_model *model, slots *all, pith_error *err)
 {
     pith_vec3 *gradient = (pith_vec3 *)all->slot[1].values, *secondary = (pith_vec3 *)all->slot[2].values;
     PITH_TRY(pith_progress_step(model->progress, 0.0, "depth and direction fields", err));
-    PITH_TRY(model_build_depth(model, model->tets, all->slot[0].values, gradient, err));
+    if (model->depth && model->gradient) { /* from a model that differs in its strokes */
+        memcpy(all->slot[0].values, model->depth, all->vertices * sizeof *model->depth);
+        memcpy(gradient, model->gradient, all->vertices * sizeof *gradient);
+    } else {
+        PITH_TRY(model_build_depth(model, model->tets, all->slot[0].values, gradient, err));
+    }
     if (secondary) {
         PITH_TRY(pith_progress_step(model->progress, 0.5, "depth and direction fields", err));
         PITH_TRY(pith_model_locator(model, NULL, err));
@@ -231,18 +247,17 @@ static pith_status obtain_fields(pith_model *model, pith_error *err)
 {
     slots all = { .stage = "fields", .what = "fields", .key = model->keys.fields,
                   .slot = { { NULL, 1 }, { NULL, 3 }, { NULL, 3 } }, .count = model->body->stroke_count ? 3 : 2 };
+    static const model_stage stages[] = { STAGE_DEPTH, STAGE_GRADIENT, STAGE_SECONDARY };
     PITH_TRY(slots_obtain(model, &all, build_fields, err));
-    model->depth = all.slot[0].values;
-    model->gradient = (pith_vec3 *)all.slot[1].values;
-    model->secondary = (pith_vec3 *)all.slot[2].values;
-    return PITH_OK;
+    return slots_hold(model, &all, stages, err);
 }
 
 pith_status pith_model_fields(pith_model *model, const double **depth, const pith_vec3 **gradient,
                               const pith_vec3 **secondary, pith_error *err)
 {
     PITH_TRY(pith_model_tets(model, NULL, NULL, err));
-    if (!model->depth) PITH_TRY(obtain_fields(model, err));
+    const bool there = model->depth && model->gradient && (model->secondary || model->body->stroke_count == 0);
+    if (!there) PITH_TRY(obtain_fields(model, err));
     if (depth) *depth = model->depth;
     if (gradient) *gradient = model->gradient;
     if (secondary) *secondary = model->secondary;
@@ -251,7 +266,7 @@ pith_status pith_model_fields(pith_model *model, const double **depth, const pit
 
 /* ---- the vector field -------------------------------------------------------------------------------------------------------- */
 
-static bool has_vectors(const document_body *body)
+bool model_has_vectors(const document_body *body)
 {
     return body->vectors.surface_count + body->vectors.inside_count > 0;
 }
@@ -283,10 +298,7 @@ static pith_status build_vectors(pith_model *model, pith_error *err)
     if (status == PITH_OK)
         status = pith_volume_field_solve(field, tangents, from->inside, from->inside_count, model->progress, err);
     pith_free(tangents);
-    if (status == PITH_OK) {
-        model->vectors = field;
-        return PITH_OK;
-    }
+    if (status == PITH_OK) return model_hold(model, STAGE_VECTORS, field, err);
     pith_volume_field_destroy(field);
     return model_fail_at(model, status, "vectors", "stroke", "vectors.inside", err);
 }
@@ -294,7 +306,7 @@ static pith_status build_vectors(pith_model *model, pith_error *err)
 pith_status pith_model_vectors(pith_model *model, const pith_volume_field **vectors, pith_error *err)
 {
     PITH_TRY(model_one_body(model, err));
-    if (!has_vectors(model->body))
+    if (!model_has_vectors(model->body))
         return pith_fail(err, PITH_BAD_DOCUMENT, "%s: %svectors: is missing, and this needs the vector field",
                          model->document->path, model->body->place);
     if (!model->vectors) PITH_TRY(build_vectors(model, err));
@@ -313,11 +325,11 @@ static pith_status build_directions(pith_model *model, slots *all, pith_error *e
 pith_status pith_model_directions(pith_model *model, const pith_vec3 **directions, pith_error *err)
 {
     PITH_TRY(pith_model_tets(model, NULL, NULL, err));
-    if (!model->directions && has_vectors(model->body)) {
+    if (!model->directions && model_has_vectors(model->body)) {
         slots all = { .stage = "vectors", .what = "directions", .key = model->keys.vectors, .slot = { { NULL, 3 } },
                       .count = 1 };
         PITH_TRY(slots_obtain(model, &all, build_directions, err));
-        model->directions = (pith_vec3 *)all.slot[0].values;
+        PITH_TRY(slots_hold(model, &all, &(const model_stage){ STAGE_DIRECTIONS }, err));
     }
     if (directions) *directions = model->directions;
     return PITH_OK;
@@ -342,7 +354,7 @@ pith_status pith_model_scale(pith_model *model, const double **scale, pith_error
         slots all = { .stage = "scale", .what = "sizes", .key = model->keys.scale, .slot = { { NULL, 1 } },
                       .count = 1 };
         PITH_TRY(slots_obtain(model, &all, build_scale, err));
-        model->scale = all.slot[0].values;
+        PITH_TRY(slots_hold(model, &all, &(const model_stage){ STAGE_SCALE }, err));
     }
     if (scale) *scale = model->scale;
     return PITH_OK;

@@ -1,9 +1,31 @@
-/* A model from the inside: what has been built so far. model.c is its life and its cache; model_shape.c, model_fields.c
-   and model_solid.c build the stages of a body; cuts.c cuts bodies to pieces; items.c looks at them. */
+/* A model from the inside: what has been built so far. model.c is its life and its cache; sharing.c holds what was built
+   and shares it with other models; model_shape.c, model_fields.c and model_solid.c build the stages of a body; cuts.c
+   cuts bodies to pieces; items.c looks at them. */
 #ifndef PITH_MODEL_INTERNAL_H
 #define PITH_MODEL_INTERNAL_H
 
 #include "document_internal.h"
+
+/* Something that was built, never changes again, and lives as long as anybody holds it: models of several threads. */
+typedef struct holding holding;
+/* Takes `what` over, also when it fails. It holds `on`, which may be NULL: what it borrows. */
+pith_status holding_new(void *what, void (*destroy)(void *what), holding *on, holding **made, pith_error *err);
+holding *holding_share(holding *shared);    /* NULL is allowed, in both */
+void holding_release(holding *shared);
+
+/* What is built of a body, and can be shared. */
+typedef enum model_stage {
+    STAGE_MESH, STAGE_TETS, STAGE_LOCATOR, STAGE_DEPTH, STAGE_GRADIENT, STAGE_SECONDARY, STAGE_VECTORS, STAGE_DIRECTIONS,
+    STAGE_SCALE, STAGE_EXEMPLAR, STAGE_FILL, STAGE_SOLID, STAGE_WHOLE, STAGE_COUNT
+} model_stage;
+
+/* The exemplar of a paste. */
+typedef struct stamp {
+    uint64_t key;
+    const pith_grid *exemplar;
+    holding *held;
+    bool used;                  /* by the document's pastes */
+} stamp;
 
 /* Cuts with the points of their strokes. */
 typedef struct cut_list {
@@ -37,7 +59,8 @@ struct pith_model {
     pith_model_times times;
     char notes[2000];
 
-    /* Stages of a body. Each is NULL until it was built. */
+    /* Stages of a body. Each is NULL until it was built; set by model_hold, and then held here. */
+    holding *held[STAGE_COUNT];
     pith_mesh *mesh;
     pith_mesh_report mesh_report;
     pith_tets *tets;
@@ -46,14 +69,17 @@ struct pith_model {
     double *depth;              /* [vertex_count] */
     pith_vec3 *gradient;
     pith_vec3 *secondary;       /* NULL without strokes */
-    pith_volume_field *vectors; /* on voxels; not kept, made again when asked for */
+    pith_volume_field *vectors; /* on voxels; not in the cache, made again when asked for */
     pith_vec3 *directions;      /* the same at the tets' vertices; NULL without vectors */
     double *scale;              /* NULL without sizes */
     pith_grid *exemplar;
-    pith_solid *solid;
+    pith_solid *fill;           /* patches without pastes; NULL unless lapped */
+    pith_solid *solid;          /* the fill itself when there are no pastes */
     pith_lapped_report fill_report;
     bool has_fill_report;
     pith_part *whole;
+    stamp *stamps;              /* [stamp_count] */
+    size_t stamp_count, stamp_capacity;
 
     cut_list cuts;              /* of a whole; bodies follow their owner's unless they were given their own */
     bool own_cuts;
@@ -74,6 +100,23 @@ pith_status model_fail_at(const pith_model *model, pith_status status, const cha
                           const char *list, pith_error *err);
 /* Adds the time since `start` to a member of the times (its offset), of the body and of the whole. */
 void model_took(pith_model *model, size_t member, double start);
+
+/* Makes `what` the body's stage and takes it over, also when it fails; what the body has already, stays. */
+pith_status model_hold(pith_model *model, model_stage stage, void *what, pith_error *err);
+/* Makes the body's fill its solid. */
+void model_hold_fill(pith_model *model);
+/* The exemplar of a paste, when it is there. */
+const pith_grid *model_stamp(pith_model *model, uint64_t key);
+/* Takes the exemplar of a paste over, also when it fails. */
+pith_status model_add_stamp(pith_model *model, uint64_t key, pith_grid *exemplar, pith_error *err);
+/* Lets go of those that were not asked for since the last call. */
+void model_drop_stamps(pith_model *model);
+/* Lets all stages go. */
+void model_release_stages(pith_model *model);
+/* Notes what was wrong with the surface, when something was. */
+void model_note_surface(pith_model *model);
+/* Has the body strokes for a vector field? */
+bool model_has_vectors(const document_body *body);
 
 /* The cache of a model; sections are those of its body. keep takes the bytes over; recall gives those of a kept stage,
    or false when there are none; release frees them. */

@@ -21,22 +21,29 @@ static pith_status raw_mesh(const pith_model *model, pith_mesh **raw, pith_error
     return status == PITH_OK ? PITH_OK : model_fail_at(model, status, shape_key(body), NULL, NULL, err);
 }
 
+void model_note_surface(pith_model *model)
+{
+    const document_body *body = model->body;
+    char complaint[400];
+    pith_mesh_complaint(&model->mesh_report, complaint, sizeof complaint);
+    if (complaint[0] && body->mesh_file) model_note(model, "%s: %s", body->mesh_file, complaint);
+    else if (complaint[0]) model_note(model, "%s%s: %s", body->place, shape_key(body), complaint);
+}
+
 static pith_status build_mesh(pith_model *model, pith_error *err)
 {
     const double start = pith_seconds();
     const document_body *body = model->body;
-    pith_mesh *raw = NULL;
+    pith_mesh *raw = NULL, *clean = NULL;
     PITH_TRY(raw_mesh(model, &raw, err));
-    pith_status status = pith_mesh_clean(raw, &model->mesh, &model->mesh_report, err);
+    pith_status status = pith_mesh_clean(raw, &clean, &model->mesh_report, err);
     pith_mesh_destroy(raw);
     if (status != PITH_OK) {
         if (body->mesh_file) status = pith_fail_in(err, status, "%s", body->mesh_file);
         return model_fail_at(model, status, shape_key(body), NULL, NULL, err);
     }
-    char complaint[400];
-    pith_mesh_complaint(&model->mesh_report, complaint, sizeof complaint);
-    if (complaint[0] && body->mesh_file) model_note(model, "%s: %s", body->mesh_file, complaint);
-    else if (complaint[0]) model_note(model, "%s%s: %s", body->place, shape_key(body), complaint);
+    PITH_TRY(model_hold(model, STAGE_MESH, clean, err));
+    model_note_surface(model);
     model_took(model, offsetof(pith_model_times, shape), start);
     return PITH_OK;
 }
@@ -60,9 +67,10 @@ typedef struct refining {
     bool *marked;
 } refining;
 
-static pith_status refining_make(pith_model *model, bool singular, refining *made, pith_error *err)
+static pith_status refining_make(pith_model *model, const pith_tets *tets, bool singular, refining *made,
+                                 pith_error *err)
 {
-    const pith_tets_view view = pith_tets_look(model->tets);
+    const pith_tets_view view = pith_tets_look(tets);
     const bool strokes = singular && model->body->stroke_count > 0;
     made->depth = pith_alloc(view.vertex_count, sizeof *made->depth);
     made->gradient = pith_alloc(view.vertex_count, sizeof *made->gradient);
@@ -70,11 +78,11 @@ static pith_status refining_make(pith_model *model, bool singular, refining *mad
     if (strokes) made->secondary = pith_alloc(view.vertex_count, sizeof *made->secondary);
     if (!made->depth || !made->gradient || !made->marked || (strokes && !made->secondary))
         return PITH_OUT_OF_MEMORY(err, "refining");
-    PITH_TRY(model_build_depth(model, model->tets, made->depth, made->gradient, err));
+    PITH_TRY(model_build_depth(model, tets, made->depth, made->gradient, err));
     if (!strokes) return PITH_OK;
     pith_locator *locator = NULL;
-    PITH_TRY(pith_locator_create(model->tets, &locator, err));
-    const pith_status status = model_build_secondary(model, model->tets, locator, made->depth, made->gradient,
+    PITH_TRY(pith_locator_create(tets, &locator, err));
+    const pith_status status = model_build_secondary(model, tets, locator, made->depth, made->gradient,
                                                      made->secondary, err);
     pith_locator_destroy(locator);
     return status;
@@ -88,9 +96,9 @@ static void refining_clear(refining *made)
     pith_free(made->marked);
 }
 
-static void mark_core(const pith_model *model, refining *at, uint32_t *count)
+static void mark_core(const pith_model *model, const pith_tets *tets, refining *at, uint32_t *count)
 {
-    const pith_tets_view view = pith_tets_look(model->tets);
+    const pith_tets_view view = pith_tets_look(tets);
     *count = 0;
     for (uint32_t t = 0; t < view.tet_count; ++t) {
         const uint32_t *c = view.tets[t];
@@ -101,34 +109,39 @@ static void mark_core(const pith_model *model, refining *at, uint32_t *count)
 }
 
 /* One pass of bisecting: the tets near the core, or those in which the frames turn too fast. */
-static pith_status refine_once(pith_model *model, bool singular, uint32_t *count, pith_error *err)
+static pith_status refine_once(pith_model *model, bool singular, pith_tets **tets, uint32_t *count, pith_error *err)
 {
     refining at = { 0 };
     pith_tets *refined = NULL;
-    pith_status status = refining_make(model, singular, &at, err);
+    pith_status status = refining_make(model, *tets, singular, &at, err);
     if (status == PITH_OK && singular)
-        status = pith_frame_singular(model->tets, at.gradient, at.secondary, model->body->refine.singular_angle,
-                                     at.marked, count, err);
-    else if (status == PITH_OK) mark_core(model, &at, count);
-    if (status == PITH_OK && *count > 0)
-        status = pith_tets_refine(model->tets, at.marked, &refined, NULL, NULL, err);
+        status = pith_frame_singular(*tets, at.gradient, at.secondary, model->body->refine.singular_angle, at.marked,
+                                     count, err);
+    else if (status == PITH_OK) mark_core(model, *tets, &at, count);
+    if (status == PITH_OK && *count > 0) status = pith_tets_refine(*tets, at.marked, &refined, NULL, NULL, err);
     if (refined) {
-        pith_tets_destroy(model->tets);
-        model->tets = refined;
+        pith_tets_destroy(*tets);
+        *tets = refined;
     }
     refining_clear(&at);
     return status;
 }
 
-static pith_status refine(pith_model *model, pith_error *err)
+static pith_status refine(pith_model *model, pith_tets **tets, pith_error *err)
 {
     const pith_refine_options *how = &model->body->refine;
     uint32_t count = 1;
     for (uint32_t pass = 0; count > 0 && pass < how->passes; ++pass)
-        PITH_TRY(refine_once(model, false, &count, err));
+        PITH_TRY(refine_once(model, false, tets, &count, err));
     count = 1;
     for (uint32_t pass = 0; count > 0 && pass < how->singular_passes; ++pass)
-        PITH_TRY(refine_once(model, true, &count, err));
+        PITH_TRY(refine_once(model, true, tets, &count, err));
+    if (how->passes == 0 && how->singular_passes == 0) return PITH_OK;
+    pith_tets_report measured = { 0 };
+    pith_tets_measure(*tets, &measured);
+    measured.mesher = model->tets_report.mesher;
+    memcpy(measured.why, model->tets_report.why, sizeof measured.why);
+    model->tets_report = measured;
     return PITH_OK;
 }
 
@@ -137,43 +150,42 @@ static pith_status build_tets(pith_model *model, pith_error *err)
     const pith_mesh *mesh;
     PITH_TRY(pith_model_mesh(model, &mesh, NULL, err));
     const double start = pith_seconds();
-    const pith_status status = pith_tets_mesh(mesh, NULL, 0, &model->body->tets, model->progress, &model->tets,
-                                              &model->tets_report, err);
+    pith_tets *tets = NULL;
+    pith_status status = pith_tets_mesh(mesh, NULL, 0, &model->body->tets, model->progress, &tets, &model->tets_report,
+                                        err);
     if (status != PITH_OK) return model_fail_at(model, status, "shape.tets", NULL, NULL, err);
-    if (model->body->refine.passes > 0 || model->body->refine.singular_passes > 0) {
-        PITH_TRY(refine(model, err));
-        pith_tets_report measured = { 0 };
-        pith_tets_measure(model->tets, &measured);
-        measured.mesher = model->tets_report.mesher;
-        memcpy(measured.why, model->tets_report.why, sizeof measured.why);
-        model->tets_report = measured;
+    status = refine(model, &tets, err);
+    if (status != PITH_OK) {
+        pith_tets_destroy(tets);
+        return status;
     }
+    PITH_TRY(model_hold(model, STAGE_TETS, tets, err));
     model_took(model, offsetof(pith_model_times, tets), start);
+    byte_writer out = { 0 };
+    if (model->owner->store && stage_save_tets(tets, &model->tets_report, &out, NULL) == PITH_OK)
+        model_keep(model, "tets", model->keys.tets, &out);
     return PITH_OK;
+}
+
+/* The kept tets; none, with a note, when they cannot be used. */
+static pith_status recall_tets(pith_model *model, pith_error *err)
+{
+    byte_reader kept;
+    if (!model_recall(model, "tets", model->keys.tets, &kept)) return PITH_OK;
+    pith_error damage;
+    pith_tets *tets = NULL;
+    if (stage_load_tets(&kept, &tets, &model->tets_report, &damage) != PITH_OK)
+        model_note_damage(model, "tetrahedra", &damage);
+    model_release(&kept);
+    return tets ? model_hold(model, STAGE_TETS, tets, err) : PITH_OK;
 }
 
 pith_status pith_model_tets(pith_model *model, const pith_tets **tets, const pith_tets_report **report,
                             pith_error *err)
 {
     PITH_TRY(model_one_body(model, err));
-    byte_reader kept;
-    if (!model->tets && model_recall(model, "tets", model->keys.tets, &kept)) {
-        pith_error damage;
-        if (stage_load_tets(&kept, &model->tets, &model->tets_report, &damage) != PITH_OK)
-            model_note_damage(model, "tetrahedra", &damage);
-        model_release(&kept);
-    }
-    if (!model->tets) {
-        const pith_status status = build_tets(model, err);
-        if (status != PITH_OK) {
-            pith_tets_destroy(model->tets);
-            model->tets = NULL;
-            return status;
-        }
-        byte_writer out = { 0 };
-        if (model->owner->store && stage_save_tets(model->tets, &model->tets_report, &out, NULL) == PITH_OK)
-            model_keep(model, "tets", model->keys.tets, &out);
-    }
+    if (!model->tets) PITH_TRY(recall_tets(model, err));
+    if (!model->tets) PITH_TRY(build_tets(model, err));
     if (tets) *tets = model->tets;
     if (report) *report = &model->tets_report;
     return PITH_OK;
@@ -182,7 +194,11 @@ pith_status pith_model_tets(pith_model *model, const pith_tets **tets, const pit
 pith_status pith_model_locator(pith_model *model, const pith_locator **locator, pith_error *err)
 {
     PITH_TRY(pith_model_tets(model, NULL, NULL, err));
-    if (!model->locator) PITH_TRY(pith_locator_create(model->tets, &model->locator, err));
+    if (!model->locator) {
+        pith_locator *made = NULL;
+        PITH_TRY(pith_locator_create(model->tets, &made, err));
+        PITH_TRY(model_hold(model, STAGE_LOCATOR, made, err));
+    }
     if (locator) *locator = model->locator;
     return PITH_OK;
 }

@@ -78,9 +78,11 @@ pith_status pith_model_exemplar(pith_model *model, const pith_grid **exemplar, p
     PITH_TRY(chosen_solid(model, &solid, err));
     if (solid->kind != SOLID_LAPPED)
         return pith_fail(err, PITH_BAD_ARGUMENT, "the solid \"%s\" has no exemplar: it is not lapped", solid->name);
-    if (!model->exemplar)
-        PITH_TRY(obtain_exemplar(model, &solid->exemplar, "exemplar", model->keys.exemplar, "exemplar",
-                                 &model->exemplar, err));
+    if (!model->exemplar) {
+        pith_grid *made = NULL;
+        PITH_TRY(obtain_exemplar(model, &solid->exemplar, "exemplar", model->keys.exemplar, "exemplar", &made, err));
+        PITH_TRY(model_hold(model, STAGE_EXEMPLAR, made, err));
+    }
     if (exemplar) *exemplar = model->exemplar;
     return PITH_OK;
 }
@@ -142,7 +144,7 @@ static pith_status check_tiling(const pith_model *model, const document_solid *s
 
 /* ---- solid --------------------------------------------------------------------------------------------------------------------- */
 
-static pith_status build_lapped(pith_model *model, const document_solid *solid, pith_error *err)
+static pith_status build_lapped(pith_model *model, const document_solid *solid, pith_solid **made, pith_error *err)
 {
     PITH_TRY(check_tiling(model, solid, err));
     const double start = pith_seconds();
@@ -154,8 +156,8 @@ static pith_status build_lapped(pith_model *model, const document_solid *solid, 
         .direction = needs->direction ? model->secondary : needs->vectors ? model->directions : NULL,
         .scale = needs->scale ? model->scale : NULL,
     };
-    const pith_status status = pith_solid_lapped(&input, &solid->lapped, model->progress, &model->solid,
-                                                 &model->fill_report, err);
+    const pith_status status = pith_solid_lapped(&input, &solid->lapped, model->progress, made, &model->fill_report,
+                                                 err);
     if (status != PITH_OK) return solid_fail(model, status, "", err);
     model_took(model, offsetof(pith_model_times, fill), start);
     model->has_fill_report = true;
@@ -164,7 +166,7 @@ static pith_status build_lapped(pith_model *model, const document_solid *solid, 
     unsigned char *bytes = NULL;
     size_t size = 0;
     pith_error failure;
-    if (pith_lapped_save(model->solid, &bytes, &size, &failure) != PITH_OK) {
+    if (pith_lapped_save(*made, &bytes, &size, &failure) != PITH_OK) {
         model_note(model, "the patches could not be saved: %s", failure.message);
         return PITH_OK;
     }
@@ -179,8 +181,8 @@ static pith_status build_lapped(pith_model *model, const document_solid *solid, 
     return PITH_OK;
 }
 
-/* The solid from kept patches; leaves model->solid NULL with a note when they do not fit. */
-static void recall_lapped(pith_model *model, const document_solid *solid)
+/* The solid from kept patches; leaves it NULL with a note when they do not fit. */
+static void recall_lapped(pith_model *model, const document_solid *solid, pith_solid **made)
 {
     const bool layered = !type_needs_of(solid->lapped.type)->scale;
     byte_reader kept;
@@ -196,8 +198,8 @@ static void recall_lapped(pith_model *model, const document_solid *solid)
     if (status == PITH_OK) {
         read_words(&kept, bytes, size / sizeof(float), sizeof(float));
         read_bytes(&kept, bytes + size / sizeof(float) * sizeof(float), size % sizeof(float));
-        status = pith_lapped_load(bytes, size, model->tets, layered ? model->depth : NULL, model->exemplar,
-                                  &model->solid, &damage);
+        status = pith_lapped_load(bytes, size, model->tets, layered ? model->depth : NULL, model->exemplar, made,
+                                  &damage);
     }
     if (status == PITH_OK) {
         model->fill_report = report;
@@ -212,50 +214,53 @@ static void recall_lapped(pith_model *model, const document_solid *solid)
 /* ---- pastes ---------------------------------------------------------------------------------------------------------------- */
 
 static pith_status gather_paste(pith_model *model, const document_paste *from, size_t index, pith_paste *to,
-                                pith_grid **exemplar, pith_error *err)
+                                pith_error *err)
 {
     char stage[32], place[60];
     uint64_t key;
     snprintf(stage, sizeof stage, "paste%zu", index);
     snprintf(place, sizeof place, "pastes[%zu].exemplar", index);
     PITH_TRY(stage_key_of_exemplar(&from->exemplar, &key, err));
-    PITH_TRY(obtain_exemplar(model, &from->exemplar, stage, key, place, exemplar, err));
-    *to = (pith_paste){ *exemplar, from->point, from->up, from->along, from->look.size, from->look.mask_radius,
+    const pith_grid *exemplar = model_stamp(model, key);
+    if (!exemplar) {
+        pith_grid *made = NULL;
+        PITH_TRY(obtain_exemplar(model, &from->exemplar, stage, key, place, &made, err));
+        PITH_TRY(model_add_stamp(model, key, made, err));
+        exemplar = made;
+    }
+    *to = (pith_paste){ exemplar, from->point, from->up, from->along, from->look.size, from->look.mask_radius,
                         from->look.drop_off };
     return PITH_OK;
 }
 
-/* The filled solid with the document's pastes on top takes its place. */
+/* The solid is the fill with the document's pastes on top. */
 static pith_status add_pastes(pith_model *model, const document_solid *solid, pith_error *err)
 {
     const size_t count = solid->paste_count;
     pith_paste *pastes = pith_alloc(count, sizeof *pastes);
-    pith_grid **exemplars = pith_alloc(count, sizeof *exemplars);
     pith_solid *pasted = NULL;
-    pith_status status = pastes && exemplars ? PITH_OK : PITH_OUT_OF_MEMORY(err, "pastes");
+    pith_status status = pastes ? PITH_OK : PITH_OUT_OF_MEMORY(err, "pastes");
     for (size_t i = 0; status == PITH_OK && i < count; ++i)
-        status = gather_paste(model, &solid->pastes[i], i, &pastes[i], &exemplars[i], err);
+        status = gather_paste(model, &solid->pastes[i], i, &pastes[i], err);
     if (status == PITH_OK) {
-        status = pith_lapped_paste(model->solid, pastes, count, &pasted, err);
+        status = pith_lapped_paste(model->fill, pastes, count, &pasted, err);
         if (status != PITH_OK) {
             char list[60];
             snprintf(list, sizeof list, "solids[%zu].pastes", model->body->solid);
             status = model_fail_at(model, status, list, "paste", list, err);
         }
     }
-    for (size_t i = 0; exemplars && i < count; ++i) pith_grid_destroy(exemplars[i]);
-    pith_free(exemplars);
     pith_free(pastes);
-    pith_solid_destroy(model->solid);
-    model->solid = pasted;
-    model->fill_report.pastes = (uint32_t)count;
+    model_drop_stamps(model);
+    if (status == PITH_OK) status = model_hold(model, STAGE_SOLID, pasted, err);
+    if (status == PITH_OK) model->fill_report.pastes = (uint32_t)count;
     return status;
 }
 
 /* ---- solid of a body ---------------------------------------------------------------------------------------------------------- */
 
-/* Fields that the type looks at, the exemplar, patches from the saved model or new ones, pastes. */
-static pith_status obtain_lapped(pith_model *model, const document_solid *solid, pith_error *err)
+/* Fields that the type looks at, the exemplar, and patches from the saved model or new ones. */
+static pith_status obtain_fill(pith_model *model, const document_solid *solid, pith_error *err)
 {
     const type_needs *needs = type_needs_of(solid->lapped.type);
     PITH_TRY(pith_model_tets(model, NULL, NULL, err));
@@ -263,9 +268,18 @@ static pith_status obtain_lapped(pith_model *model, const document_solid *solid,
     if (needs->vectors) PITH_TRY(pith_model_directions(model, NULL, err));
     if (needs->scale) PITH_TRY(pith_model_scale(model, NULL, err));
     PITH_TRY(pith_model_exemplar(model, NULL, err));
-    recall_lapped(model, solid);
-    if (!model->solid) PITH_TRY(build_lapped(model, solid, err));
-    return solid->paste_count ? add_pastes(model, solid, err) : PITH_OK;
+    pith_solid *made = NULL;
+    recall_lapped(model, solid, &made);
+    if (!made) PITH_TRY(build_lapped(model, solid, &made, err));
+    return model_hold(model, STAGE_FILL, made, err);
+}
+
+static pith_status obtain_lapped(pith_model *model, const document_solid *solid, pith_error *err)
+{
+    if (!model->fill) PITH_TRY(obtain_fill(model, solid, err));
+    if (solid->paste_count) return add_pastes(model, solid, err);
+    model_hold_fill(model);
+    return PITH_OK;
 }
 
 static pith_status build_grid(pith_model *model, const document_solid *solid, pith_error *err)
@@ -273,9 +287,10 @@ static pith_status build_grid(pith_model *model, const document_solid *solid, pi
     pith_grid *grid = NULL;
     pith_status status = pith_grid_read_nrrd(solid->grid_file, true, &grid, err);
     if (status != PITH_OK) return solid_fail(model, status, "file", err);
-    status = pith_solid_grid(grid, solid->grid.clamp, &model->solid, err);
+    pith_solid *made = NULL;
+    status = pith_solid_grid(grid, solid->grid.clamp, &made, err);
     pith_grid_destroy(grid);
-    return status == PITH_OK ? PITH_OK : solid_fail(model, status, "file", err);
+    return status == PITH_OK ? model_hold(model, STAGE_SOLID, made, err) : solid_fail(model, status, "file", err);
 }
 
 pith_status pith_model_solid(pith_model *model, const pith_solid **solid, pith_error *err)

@@ -201,17 +201,22 @@ static uint64_t hash_scale(const document_scale *scale, uint64_t hash)
     return hash_options(&pith_smoothing_params, &scale->smoothing, hash);
 }
 
-static pith_status hash_shape(const document_body *body, uint64_t *hash, pith_error *err)
+static pith_status hash_form(const document_body *body, uint64_t *hash, pith_error *err)
 {
-    if (body->mesh_file) PITH_TRY(hash_file(body->mesh_file, hash, err));
-    else if (body->shape == SHAPE_SLAB) *hash = hash_options(&pith_slab_params, &body->slab, *hash);
+    if (body->mesh_file) return hash_file(body->mesh_file, hash, err);
+    if (body->shape == SHAPE_SLAB) *hash = hash_options(&pith_slab_params, &body->slab, *hash);
     else *hash = hash_options(&pith_fruit_params, &body->fruit, *hash);
-    *hash = hash_options(&pith_tets_params, &body->tets, *hash);
-    *hash = hash_options(&pith_refine_params, &body->refine, *hash);
-    /* Refining looks at the fields. */
-    if (body->refine.passes > 0 || body->refine.singular_passes > 0) *hash = hash_constraints(body, *hash);
-    if (body->refine.singular_passes > 0) *hash = hash_direction(body, *hash);
     return PITH_OK;
+}
+
+static uint64_t hash_tets(const document_body *body, uint64_t hash)
+{
+    hash = hash_options(&pith_tets_params, &body->tets, hash);
+    hash = hash_options(&pith_refine_params, &body->refine, hash);
+    /* Refining looks at the fields. */
+    if (body->refine.passes > 0 || body->refine.singular_passes > 0) hash = hash_constraints(body, hash);
+    if (body->refine.singular_passes > 0) hash = hash_direction(body, hash);
+    return hash;
 }
 
 static pith_status hash_exemplar(const document_exemplar *exemplar, uint64_t *hash, pith_error *err)
@@ -239,12 +244,27 @@ static uint64_t hash_fill(const stage_keys *keys, const pith_lapped_options *opt
     return hash_options(&pith_lapped_params, options, pith_hash_bytes(used, sizeof used, 0));
 }
 
+/* The fill, and what was set on top of it. */
+static pith_status hash_lapped(const document_solid *solid, uint64_t *hash, pith_error *err)
+{
+    for (size_t i = 0; i < solid->paste_count; ++i) {
+        const document_paste *paste = &solid->pastes[i];
+        const pith_vec3 place[3] = { paste->point, paste->up, paste->along };
+        PITH_TRY(hash_exemplar(&paste->exemplar, hash, err));
+        *hash = pith_hash_bytes(place, sizeof place, *hash);
+        *hash = hash_options(&document_paste_params, &paste->look, *hash);
+    }
+    return PITH_OK;
+}
+
 pith_status stage_keys_of(const document_body *body, stage_keys *keys, pith_error *err)
 {
     stage_keys made;
     const uint64_t start = pith_mix64(STAGE_VERSION);
-    made.tets = made.exemplar = made.patches = start;
-    PITH_TRY(hash_shape(body, &made.tets, err));
+    made.mesh = made.exemplar = made.patches = start;
+    PITH_TRY(hash_form(body, &made.mesh, err));
+    made.tets = hash_tets(body, made.mesh);
+    made.voxels = hash_vectors(&body->vectors, made.mesh);
     made.depth = hash_constraints(body, made.tets);
     made.fields = hash_direction(body, made.depth);
     made.vectors = hash_vectors(&body->vectors, pith_mix64(made.tets));
@@ -254,6 +274,12 @@ pith_status stage_keys_of(const document_body *body, stage_keys *keys, pith_erro
     if (solid && solid->kind == SOLID_LAPPED) {
         PITH_TRY(stage_key_of_exemplar(&solid->exemplar, &made.exemplar, err));
         made.patches = hash_fill(&made, &solid->lapped);
+    }
+    made.solid = made.patches;
+    if (solid && solid->kind == SOLID_LAPPED) PITH_TRY(hash_lapped(solid, &made.solid, err));
+    if (solid && solid->kind == SOLID_GRID) {
+        PITH_TRY(hash_file(solid->grid_file, &made.solid, err));
+        made.solid = hash_options(&document_grid_params, &solid->grid, made.solid);
     }
     *keys = made;
     return PITH_OK;

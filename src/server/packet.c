@@ -1,6 +1,7 @@
 /* Messages as they go over a socket: made, counted, read. */
 #include "packet.h"
 
+#include <stdarg.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,24 +19,23 @@ static size_t padded(size_t size) { return (size + 3) & ~(size_t)3; }
 
 /* ---- finished packets ---------------------------------------------------------------------------------------------- */
 
-enum { KIND_ROOM = 24 };
+enum { KIND_ROOM = 24, SLOT_ROOM = 200 };
 
 struct packet {
     atomic_int holders;
     bool binary;
-    char kind[KIND_ROOM];
+    char slot[SLOT_ROOM];
     size_t size;
     unsigned char bytes[];
 };
 
-static packet *packet_alloc(size_t size, bool binary, const char *kind)
+static packet *packet_alloc(size_t size, bool binary)
 {
     packet *made = pith_alloc(1, sizeof *made + size + 1);
     if (!made) return NULL;
     atomic_init(&made->holders, 1);
     made->binary = binary;
     made->size = size;
-    snprintf(made->kind, KIND_ROOM, "%s", kind);
     return made;
 }
 
@@ -57,13 +57,23 @@ const unsigned char *packet_bytes(const packet *made, size_t *size)
 }
 
 bool packet_is_binary(const packet *made) { return made->binary; }
-const char *packet_kind(const packet *made) { return made->kind; }
+const char *packet_slot(const packet *made) { return made->slot; }
+
+/* A slot that would be cut short could be mistaken for another, so it is none. */
+void packet_set_slot(packet *made, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    const int length = vsnprintf(made->slot, SLOT_ROOM, format, arguments);
+    va_end(arguments);
+    if (length < 0 || length >= SLOT_ROOM) made->slot[0] = 0;
+}
 
 pith_status packet_of_json(json_t *message, packet **made, pith_error *err)
 {
     char *text = message ? json_dumps(message, JSON_COMPACT) : NULL;
     json_decref(message);
-    packet *text_packet = text ? packet_alloc(strlen(text), false, "") : NULL;
+    packet *text_packet = text ? packet_alloc(strlen(text), false) : NULL;
     if (text_packet) memcpy(text_packet->bytes, text, text_packet->size);
     free(text);
     if (!text_packet) return PITH_OUT_OF_MEMORY(err, "a message");
@@ -179,7 +189,7 @@ pith_status packet_finish(packet_maker *maker, packet **made, pith_error *err)
     else if (end + text_size > UINT32_MAX - 4)
         status = pith_fail(err, PITH_BAD_ARGUMENT, "the packet \"%s\" would have %zu bytes, more than 4 GiB",
                            maker->kind, end + text_size);
-    else if (!(finished = packet_alloc(4 + text_size + end, true, maker->kind)))
+    else if (!(finished = packet_alloc(4 + text_size + end, true)))
         status = PITH_OUT_OF_MEMORY(err, maker->kind);
     if (status == PITH_OK) {
         const uint32_t length = (uint32_t)text_size;

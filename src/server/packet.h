@@ -19,8 +19,10 @@ packet *packet_hold(packet *shared);    /* NULL is allowed, in both; from any th
 void packet_release(packet *shared);
 const unsigned char *packet_bytes(const packet *made, size_t *size);
 bool packet_is_binary(const packet *made);
-/* "mesh", "view"… of a binary packet, "" of a text: what newer packets of the same kind may take the place of. */
-const char *packet_kind(const packet *made);
+/* What a packet tells that a newer one tells better: "view", "job/7". A newer packet of the same slot takes the place of
+   one that waits at a socket whose page is slow. "", as made: none does. Set before the packet is shared. */
+const char *packet_slot(const packet *made);
+void packet_set_slot(packet *made, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 /* A text message of this JSON, whose reference is taken also after a failure. */
 pith_status packet_of_json(json_t *message, packet **made, pith_error *err);

@@ -46,7 +46,11 @@ static void test_arrays_lie_where_the_text_says(void **state)
     packet *made = NULL;
     CHECK_OK(packet_finish(maker, &made, &err));
     assert_true(packet_is_binary(made));
-    assert_string_equal(packet_kind(made), "mesh");
+    assert_string_equal(packet_slot(made), "");
+    packet_set_slot(made, "mesh/%s", "flesh");
+    assert_string_equal(packet_slot(made), "mesh/flesh");
+    packet_set_slot(made, "mesh/%0250d", 1); /* too long to be told from others */
+    assert_string_equal(packet_slot(made), "");
 
     const unsigned char *arrays;
     size_t size;

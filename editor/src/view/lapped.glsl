@@ -6,7 +6,7 @@ precision highp sampler3D;
 precision highp usampler2D;
 
 uniform usampler2D layers;      // records of four words, LAYER_WIDTH in a row
-uniform sampler2D patches;      // offsets along r, t, s; mask + 256 * exemplar
+uniform sampler2D patches;      // offsets along r, s, t; mask + 1024 * exemplar
 uniform sampler3D masks;        // 48 cells a mask, one behind the other, 32 to a column
 uniform sampler3D exemplar;
 uniform ivec3 maskGrid;         // cells of the whole texture
@@ -59,7 +59,7 @@ float cutAlpha(int patchNumber, vec3 rst)
 #endif
 
 /* One patch at this point. gradients: of its texture coordinates over the screen, for a filtered lookup. */
-struct Layer { vec3 rst, dx, dy; vec4 about; int number; float fade; bool spare; };
+struct Layer { vec3 rst, dx, dy; vec4 about; int number; float fade; bool spare, whole; };
 
 Layer layerAt(inout int i, vec3 corner, vec3 dx, vec3 dy, float depth, vec2 slope)
 {
@@ -80,6 +80,7 @@ Layer layerAt(inout int i, vec3 corner, vec3 dx, vec3 dy, float depth, vec2 slop
         layer.fade = clamp(3.0 * dot(fade, corner) - 1.0, 0.0, 1.0);
     }
     layer.spare = (words.w & 0x01000000u) != 0u;
+    layer.whole = (words.w & 0x02000000u) != 0u;
     layer.number = int(words.w & 0xffffffu);
     ivec2 size = textureSize(patches, 0);
     layer.about = texelFetch(patches, ivec2(layer.number % size.x, layer.number / size.x), 0);
@@ -88,8 +89,7 @@ Layer layerAt(inout int i, vec3 corner, vec3 dx, vec3 dy, float depth, vec2 slop
 
 vec4 exemplarAt(Layer layer)
 {
-    vec3 at = layer.rst + layer.about.xzy;
-    return textureGrad(exemplar, at, layer.dx, layer.dy);
+    return textureGrad(exemplar, layer.rst + layer.about.xyz, layer.dx, layer.dy);
 }
 
 #ifdef PASTES
@@ -135,9 +135,9 @@ vec4 lappedColour(uvec2 records, vec3 corner, float depth)
     int i = int(records.x), end = int(records.x + records.y);
     for (int guard = 0; guard < 512 && i < end && through > 0.0; ++guard) {
         Layer layer = layerAt(i, corner, dx, dy, depth, slope);
-        int mask = int(layer.about.w) & 255, which = int(layer.about.w) >> 8;
-        float alpha = 0.0;
-        if (!layer.spare) {
+        int mask = int(layer.about.w) & 1023, which = int(layer.about.w) >> 10;
+        float alpha = layer.whole ? 1.0 : 0.0;
+        if (!layer.spare && !layer.whole) {
 #ifdef CUTS
             alpha = layer.number < CUTS ? cutAlpha(layer.number, layer.rst) : maskAlpha(mask, layer.rst);
 #else
@@ -165,7 +165,7 @@ vec4 lappedColour(uvec2 records, vec3 corner, float depth)
         }
         float factor = alpha * through;
 #ifdef GAUSS
-        blended += factor * textureLod(normals, layer.rst + layer.about.xzy, 0.0);
+        blended += factor * textureLod(normals, layer.rst + layer.about.xyz, 0.0);
         blendedWeight += factor;
         squares += factor * factor;
 #else

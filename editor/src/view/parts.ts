@@ -110,7 +110,7 @@ export class View {
   /* One vertex a corner; positions, depths and normals of corners, and of each triangle its list of layers and its face. */
   private unfold(part: PartHead, packet: Packet): THREE.BufferGeometry {
     const [first, count] = part.triangles, corners = 3 * count, { arrays } = packet;
-    const depths = arrays.depth as Uint16Array | undefined, normals = arrays.normals as Int8Array | undefined;
+    const depths = arrays.depth as Uint16Array | undefined, normals = arrays.normals as Int16Array | undefined;
     const starts = arrays.layer_start as Uint32Array | undefined;
     const positions = new Float32Array(3 * corners), depth = new Uint16Array(corners), info = new Uint32Array(3 * corners);
     const moved = arrays.material ? new Float32Array(3 * corners) : null;
@@ -136,7 +136,7 @@ export class View {
     geometry.setAttribute('position', new THREE.BufferAttribute(positions, 3));
     if (moved) geometry.setAttribute('material', new THREE.BufferAttribute(moved, 3));
     geometry.setAttribute('depth', new THREE.BufferAttribute(depth, 1, true));
-    const oct = normals ? normals.slice(6 * first, 6 * (first + count)) : new Int8Array(2 * corners);
+    const oct = normals ? normals.slice(6 * first, 6 * (first + count)) : new Int16Array(2 * corners);
     geometry.setAttribute('normal', new THREE.BufferAttribute(oct, 2, true));
     geometry.setAttribute('info', new THREE.BufferAttribute(info, 3));
     geometry.boundingBox = box;

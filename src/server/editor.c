@@ -1,0 +1,105 @@
+/* Dispatch: the verbs that a page may say, and the way of a message through them. */
+#include "editor.h"
+
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- the verbs ----------------------------------------------------------------------------------------------------- */
+
+#define NO_MORE { NULL, ARGUMENT_TEXT, false, 0, 0, NULL }
+#define REVISION { "revision", ARGUMENT_WHOLE, true, 0, 9007199254740992.0, NULL }
+
+static const argument none[] = { NO_MORE };
+static const argument revision_only[] = { REVISION, NO_MORE };
+static const argument of_apply[] = {
+    REVISION,
+    { "name", ARGUMENT_TEXT, true, 0, 200, NULL },
+    { "operations", ARGUMENT_LIST, true, 0, 0, NULL },
+    NO_MORE,
+};
+static const argument of_save[] = {
+    { "file", ARGUMENT_TEXT, false, 0, 0, NULL },
+    { "force", ARGUMENT_SWITCH, false, 0, 0, NULL },
+    NO_MORE,
+};
+
+const verb editor_verbs[] = {
+    { "hello", false, none, false, do_hello },
+    { "apply", false, of_apply, false, do_apply },
+    { "undo", false, revision_only, false, do_undo },
+    { "redo", false, revision_only, false, do_redo },
+    { "save", false, of_save, false, do_save },
+    { "revert", false, revision_only, false, do_revert },
+    { NULL, false, NULL, false, NULL },
+};
+
+/* ---- a message ----------------------------------------------------------------------------------------------------- */
+
+/* Runs what is asked, and answers now unless somebody else will. */
+static void run(editor *own, request *asked, void (*admit)(void *user, uint32_t socket), void *user)
+{
+    pith_error err = { PITH_OK, "" };
+    const verb *found = NULL;
+    asked->answer = json_object();
+    pith_status status = request_check(editor_verbs, asked, &found, &err);
+    if (status == PITH_OK && admit && found->run == do_hello) admit(user, asked->socket);
+    if (status == PITH_OK) status = found->run(own, asked, &err);
+    if (status != PITH_OK)
+        outbox_put(own->out, asked->socket,
+                   request_failure(asked->id, asked->refusal ? asked->refusal : pith_status_text(status), err.message));
+    else if (!asked->later)
+        outbox_put(own->out, asked->socket, request_success(asked->id, json_incref(asked->answer)));
+    json_decref(asked->answer);
+}
+
+void editor_message(editor *own, uint32_t socket, bool binary, const unsigned char *bytes, size_t size,
+                    void (*admit)(void *user, uint32_t socket), void *user)
+{
+    pith_error err = { PITH_OK, "" };
+    request asked = { .socket = socket };
+    packet_view upload = { NULL, NULL, 0 };
+    json_t *text = NULL;
+    json_error_t problem;
+    if (binary) {
+        if (packet_read(bytes, size, &upload, &err) == PITH_OK) {
+            asked.body = upload.text;
+            asked.upload = &upload;
+        }
+    } else {
+        text = json_loadb((const char *)bytes, size, JSON_REJECT_DUPLICATES, &problem);
+        if (json_is_object(text)) asked.body = text;
+        else pith_fail(&err, PITH_BAD_ARGUMENT, "the message is not a JSON object%s%s", text ? "" : ": ",
+                       text ? "" : problem.text);
+    }
+    if (asked.body) run(own, &asked, admit, user);
+    else outbox_put(own->out, socket, request_failure(0, pith_status_text(PITH_BAD_ARGUMENT), err.message));
+    json_decref(text);
+    packet_view_end(&upload);
+}
+
+/* ---- life ---------------------------------------------------------------------------------------------------------- */
+
+pith_status editor_open(const char *path, const editor_options *options, outbox *out, editor **made, pith_error *err)
+{
+    editor *own = pith_alloc(1, sizeof *own);
+    if (!own) return PITH_OUT_OF_MEMORY(err, path);
+    own->out = out;
+    own->cache = options->cache;
+    own->automatic = options->automatic;
+    char *examples = options->examples ? realpath(options->examples, NULL) : NULL;
+    if (examples) snprintf(own->examples, sizeof own->examples, "%s", examples);
+    free(examples);
+    const pith_status status = session_open(path, &own->opened, err);
+    if (status == PITH_OK) *made = own;
+    else editor_close(own);
+    return status;
+}
+
+void editor_close(editor *own)
+{
+    if (!own) return;
+    session_close(own->opened);
+    pith_free(own);
+}

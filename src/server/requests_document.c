@@ -1,0 +1,122 @@
+/* Requests that look at the document, change it and save it; the event that tells every page of it. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "editor.h"
+
+/* ---- what a document is like --------------------------------------------------------------------------------------- */
+
+static json_t *names(const session *opened, const char *(*name)(const session *opened, size_t i))
+{
+    json_t *list = json_array();
+    for (size_t i = 0; name(opened, i); ++i) json_array_append_new(list, json_string(name(opened, i)));
+    return list;
+}
+
+/* Adds to the object all that a `document` event has. */
+static void describe(const editor *own, json_t *to)
+{
+    const session *opened = own->opened;
+    json_object_set_new(to, "revision", json_integer((json_int_t)session_revision(opened)));
+    json_object_set_new(to, "document", json_loads(session_present(opened)->text, 0, NULL));
+    json_object_set_new(to, "name", json_string(session_step_name(opened)));
+    json_object_set_new(to, "undo", names(opened, session_undo_name));
+    json_object_set_new(to, "redo", names(opened, session_redo_name));
+    json_object_set_new(to, "saved", json_boolean(session_saved(opened)));
+    json_object_set_new(to, "recovered", json_boolean(session_recovered(opened)));
+}
+
+static void tell_document(editor *own, uint32_t by)
+{
+    packet *made = NULL;
+    json_t *event = json_pack("{ss sI}", "event", "document", "by", (json_int_t)by);
+    describe(own, event);
+    if (packet_of_json(event, &made, NULL) == PITH_OK) packet_set_slot(made, "document");
+    outbox_put(own->out, OUTBOX_ALL, made);
+}
+
+pith_status do_hello(editor *own, request *asked, pith_error *err)
+{
+    char *schema = NULL;
+    PITH_TRY(pith_document_schema(&schema, err));
+    json_t *to = asked->answer;
+    json_object_set_new(to, "version", json_string(PITH_VERSION_TEXT));
+    json_object_set_new(to, "path", json_string(session_path(own->opened)));
+    json_object_set_new(to, "file", json_string(session_file(own->opened)));
+    json_object_set_new(to, "note", json_string(session_note(own->opened)));
+    json_object_set_new(to, "socket", json_integer(asked->socket));
+    json_object_set_new(to, "schema", json_loads(schema, 0, NULL));
+    describe(own, to);
+    pith_free(schema);
+    return PITH_OK;
+}
+
+/* ---- changes ------------------------------------------------------------------------------------------------------- */
+
+/* Is the page up to date? Else what it wants to change is not what there is. */
+static pith_status check_revision(const editor *own, request *asked, pith_error *err)
+{
+    const double given = request_number(asked, "revision", 0);
+    if (given == (double)session_revision(own->opened)) return PITH_OK;
+    asked->refusal = "stale";
+    return pith_fail(err, PITH_BAD_ARGUMENT, "revision: is %.0f, but the document is at %llu; another page was first",
+                     given, (unsigned long long)session_revision(own->opened));
+}
+
+static void changed(editor *own, request *asked)
+{
+    json_object_set_new(asked->answer, "revision", json_integer((json_int_t)session_revision(own->opened)));
+    tell_document(own, asked->socket);
+}
+
+pith_status do_apply(editor *own, request *asked, pith_error *err)
+{
+    PITH_TRY(check_revision(own, asked, err));
+    char *operations = json_dumps(json_object_get(asked->body, "operations"), JSON_COMPACT);
+    if (!operations) return PITH_OUT_OF_MEMORY(err, "operations");
+    const pith_status status = session_apply(own->opened, request_text(asked, "name", ""), operations,
+                                             strlen(operations), NULL, own, err);
+    free(operations);
+    if (status == PITH_OK) changed(own, asked);
+    return status;
+}
+
+pith_status do_undo(editor *own, request *asked, pith_error *err)
+{
+    PITH_TRY(check_revision(own, asked, err));
+    PITH_TRY(session_undo(own->opened, err));
+    changed(own, asked);
+    return PITH_OK;
+}
+
+pith_status do_redo(editor *own, request *asked, pith_error *err)
+{
+    PITH_TRY(check_revision(own, asked, err));
+    PITH_TRY(session_redo(own->opened, err));
+    changed(own, asked);
+    return PITH_OK;
+}
+
+pith_status do_revert(editor *own, request *asked, pith_error *err)
+{
+    PITH_TRY(check_revision(own, asked, err));
+    PITH_TRY(session_revert(own->opened, err));
+    changed(own, asked);
+    return PITH_OK;
+}
+
+/* ---- saving -------------------------------------------------------------------------------------------------------- */
+
+pith_status do_save(editor *own, request *asked, pith_error *err)
+{
+    if (!request_switch(asked, "force", false) && !session_disk_is_known(own->opened)) {
+        asked->refusal = "changed on disk";
+        return pith_fail(err, PITH_IO, "%s was changed or removed by somebody else since it was read; save with force "
+                         "to replace it, or revert to it", session_file(own->opened));
+    }
+    PITH_TRY(session_save(own->opened, err));
+    json_object_set_new(asked->answer, "file", json_string(session_file(own->opened)));
+    tell_document(own, asked->socket);
+    return PITH_OK;
+}
