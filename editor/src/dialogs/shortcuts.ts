@@ -40,11 +40,11 @@ const steps: [string, string][] = [
 export class FirstSteps {
   readonly element = h('aside', { class: 'first-steps', 'aria-label': 'First steps', hidden: true });
 
-  constructor() { if (recall('steps') !== 'read') this.show(0); }
+  constructor() { if (recall('hints') !== 'seen') this.show(0); }
 
   /** Shows a step, from 0. */
   show(at: number): void {
-    const last = at === steps.length - 1, done = (): void => { remember('steps', 'read'); this.element.hidden = true; };
+    const last = at === steps.length - 1, done = (): void => { remember('hints', 'seen'); this.element.hidden = true; };
     const next = button(last ? 'Got it' : 'Next', () => { if (last) return done(); this.show(at + 1); this.element.querySelector<HTMLElement>('.main')?.focus(); }, { look: 'main' });
     this.element.hidden = false;
     this.element.replaceChildren(
