@@ -7,7 +7,12 @@ import { Model } from './model';
 import { buildPage } from './panels/page';
 import type { DocumentEvent, Hello, JobEvent } from './protocol';
 import { Store } from './store';
+import { installFieldView } from './fieldview';
 import { cutTool } from './tools/cut';
+import { depthTool, directionTool, pointsTool } from './tools/draw';
+import { installMarks } from './tools/marks';
+import { faceTool, fillTool } from './tools/paint';
+import { pasteTool, scaleTool } from './tools/place';
 import { planeTool } from './tools/plane';
 import { selectTool } from './tools/select';
 import { Toolbox } from './tools/toolbox';
@@ -84,7 +89,10 @@ store.on(['part'], () => viewport.pick(store.state.part));
 store.on(['mode'], () => viewport.look({ mode: { solid: 0, volume: 0, depth: 1, shape: 2 }[store.state.mode] }));
 store.on(['isolines'], () => viewport.look({ isolines: store.state.isolines }));
 
-toolbox.add(selectTool(app), cutTool(app), planeTool(app));
+toolbox.add(selectTool(app), cutTool(app), planeTool(app), fillTool(app), faceTool(app), depthTool(app), pointsTool(app),
+            directionTool(app), scaleTool(app), pasteTool(app));
 buildPage(app);
+installFieldView(app);
+installMarks(app);
 toolbox.enter();
 (globalThis as any).pith = app; // for tests, benchmarks, and the curious

@@ -4,7 +4,8 @@ import type { Store, State } from '../store';
 
 export type Child = Node | string | number | null | undefined | false | Child[];
 type Handler = (event: any) => void;
-/** Attributes; `on…` are listeners, `class` and `style` are text, true and false set or leave out an attribute. */
+/** Attributes; `on…` are listeners, `class` and `style` are text, true and false set or leave out an attribute. Styles
+    are set by script, since the page's policy allows no style attributes. */
 export type Props = { [name: string]: string | number | boolean | null | undefined | Handler };
 
 /** Makes an element with attributes, listeners and children. */
@@ -28,6 +29,7 @@ export function svg<K extends keyof SVGElementTagNameMap>(tag: K, props?: Props 
 function setProps(element: Element, props?: Props | null): void {
   for (const [name, value] of Object.entries(props ?? {})) {
     if (typeof value === 'function') element.addEventListener(name.slice(2), value);
+    else if (name === 'style') (element as HTMLElement).style.cssText = String(value ?? '');
     else set(element, name, value);
   }
 }
