@@ -12,7 +12,7 @@ import { selectTool } from './tools/select';
 import { Toolbox } from './tools/toolbox';
 import { Viewport } from './view/viewport';
 
-const token = new URLSearchParams(location.hash.slice(1)).get('token') ?? '';
+const token = location.hash.slice(1);
 const store = new Store();
 const connection = new Connection(token);
 const viewport = new Viewport();
