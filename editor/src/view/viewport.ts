@@ -166,10 +166,11 @@ export class Viewport {
 
   /* ---- how it is looked at ---- */
 
-  look(how: { mode?: number; isolines?: boolean; edges?: boolean; accent?: THREE.Color }): void {
+  look(how: { mode?: number; isolines?: boolean; edges?: boolean; unlit?: boolean; accent?: THREE.Color }): void {
     if (how.mode !== undefined) this.shared.mode.value = how.mode;
     if (how.isolines !== undefined) this.shared.showIsolines.value = how.isolines;
     if (how.edges !== undefined) this.shared.showEdges.value = how.edges;
+    if (how.unlit !== undefined) this.shared.unlit.value = how.unlit;
     if (how.accent) this.shared.accent.value.set(how.accent.r, how.accent.g, how.accent.b);
     this.invalidate();
   }
