@@ -19,7 +19,7 @@ import { Toolbox } from './tools/toolbox';
 import { Messages } from './ui/dialog';
 import { Viewport } from './view/viewport';
 
-const token = new URLSearchParams(location.hash.slice(1)).get('token') ?? '';
+const token = location.hash.slice(1);
 const store = new Store();
 const connection = new Connection(token);
 const viewport = new Viewport();

@@ -44,8 +44,8 @@ export function startServer(document, options = []) {
     let text = '';
     child.stdout.on('data', (more) => {
       text += more;
-      if (!text.includes('\n')) return;
-      const said = JSON.parse(text.slice(0, text.indexOf('\n')));
+      let said;
+      try { said = JSON.parse(text); } catch { return; } // not all of it yet
       resolve({ child, address: said.address, document, errors: () => errors, stop: (signal = 'SIGTERM') => stopServer(child, signal) });
     });
     child.on('exit', (code) => reject(new Error(`pith edit ended with ${code}: ${errors}`)));

@@ -185,6 +185,8 @@ static pith_status fill_model(pith_model *made, const pith_model_options *option
         made->body = &document->bodies[0];
         PITH_TRY(stage_keys_of(made->body, &made->keys, err));
     }
+    made->told_parts = pith_alloc(document->part_count, sizeof *made->told_parts);
+    if (!made->told_parts) return PITH_OUT_OF_MEMORY(err, "parts");
     PITH_TRY(pith_model_set_cuts(made, document->cuts, document->cut_count, err));
     made->cuts.from_document = true;
     return options && options->cache ? open_cache(made, options->cache_file, err) : PITH_OK;
@@ -204,10 +206,12 @@ pith_status pith_model_create(const pith_document *document, const pith_model_op
 void pith_model_destroy(pith_model *model)
 {
     if (!model) return;
-    model_drop_items(model); /* before the bodies: pieces borrow their parts */
+    model_drop_items(model);
     if (model->store) flush(model);
+    pith_free(model->told_parts);
     for (size_t i = 0; i < model->body_count; ++i) pith_model_destroy(model->bodies[i]);
     pith_free(model->bodies);
+    model_release_levels(model);
     cut_list_clear(&model->cuts);
     model_release_stages(model);
     cache_destroy(model->store);
@@ -216,6 +220,8 @@ void pith_model_destroy(pith_model *model)
 
 /* ---- what is known of a model -------------------------------------------------------------------------------------------- */
 
+pith_model *model_body(pith_model *model, size_t index) { return model->body ? model : model->bodies[index]; }
+
 size_t pith_model_bodies(const pith_model *model) { return model->body ? 1 : model->body_count; }
 
 pith_status pith_model_body(pith_model *model, size_t index, pith_model **body, pith_error *err)
@@ -223,7 +229,7 @@ pith_status pith_model_body(pith_model *model, size_t index, pith_model **body, 
     if (index >= pith_model_bodies(model))
         return pith_fail(err, PITH_BAD_ARGUMENT, "%s: there is no body %zu; the model has %zu, counted from 0",
                          model->document->path, index, pith_model_bodies(model));
-    *body = model->body ? model : model->bodies[index];
+    *body = model_body(model, index);
     return PITH_OK;
 }
 

@@ -12,7 +12,7 @@ uniform vec3 cameraPosition;
 uniform vec3 lightDirection;    // towards the key light
 uniform vec3 upDirection;
 uniform int mode;               // 0 the solid, 1 depth, 2 clay
-uniform bool hasDepth, hasPaint, showIsolines, showEdges, picked, stale;
+uniform bool hasDepth, hasPaint, showIsolines, showEdges, picked, stale, unlit;
 uniform float opacity;
 uniform sampler2D painted;      // depth painted on each face, PAINT_WIDTH in a row; negative: none
 uniform vec4 clip;              // clip plane in material coordinates; zero normal: none
@@ -116,7 +116,7 @@ void main()
     vec3 colour = ownColour(section, face);
     if (stale && mode == 0) colour = mix(colour, vec3(dot(colour, vec3(0.3, 0.59, 0.11))), 0.35);
     if (!gl_FrontFacing) colour = vec3(0.2, 0.16, 0.14); // never seen of a closed part, but where it is clipped
-    else colour = lit(colour, normal, eye, section);
+    else if (!unlit) colour = lit(colour, normal, eye, section);
     if (showEdges) {
         vec3 edge = vCorner / max(fwidth(vCorner), 1e-6);
         colour *= mix(0.72, 1.0, smoothstep(0.6, 1.4, min(edge.x, min(edge.y, edge.z))));

@@ -18,6 +18,7 @@ export interface Shared {
   mode: { value: number };
   showIsolines: { value: boolean };
   showEdges: { value: boolean };
+  unlit: { value: boolean };
   clip: { value: THREE.Vector4 };
   brush: { value: THREE.Vector4 };
   accent: { value: THREE.Vector3 };
@@ -27,7 +28,7 @@ export interface Shared {
 export function sharedUniforms(): Shared {
   return {
     lightDirection: { value: new THREE.Vector3(0, 0, 1) }, upDirection: { value: new THREE.Vector3(0, 0, 1) },
-    mode: { value: 0 }, showIsolines: { value: true }, showEdges: { value: false },
+    mode: { value: 0 }, showIsolines: { value: true }, showEdges: { value: false }, unlit: { value: false },
     clip: { value: new THREE.Vector4(0, 0, 0, 0) }, brush: { value: new THREE.Vector4(0, 0, 0, 0) },
     accent: { value: new THREE.Vector3(0.25, 0.55, 1) }, opacity: { value: 1 },
   };

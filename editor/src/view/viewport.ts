@@ -48,6 +48,8 @@ export class Viewport {
   private together = 1;
   private apart = 0;
   private framed = false;
+  /** The camera was moved by hand: it stays where it is. */
+  touched = false;
   private lightAzimuth = -50;
   private lightElevation = 48;
 
@@ -65,6 +67,8 @@ export class Viewport {
     this.scene.add(this.floor);
     this.hands = new Hands(this.table, this.element, (x, y) => this.hit(x, y)?.world);
     this.table.onChange = () => this.invalidate();
+    this.element.addEventListener('pointerdown', () => { this.touched = this.view !== null; }, { capture: true });
+    this.element.addEventListener('wheel', () => { this.touched = this.view !== null; }, { capture: true, passive: true });
     new ResizeObserver(() => this.resize()).observe(this.element);
     this.canvas.addEventListener('webglcontextlost', (event) => event.preventDefault());
     this.canvas.addEventListener('webglcontextrestored', () => this.invalidate());
@@ -120,8 +124,8 @@ export class Viewport {
     view.arrange(this.together, this.apart);
     this.table.see(view.box);
     this.placeFloor();
-    if (!this.framed && !view.box.isEmpty()) {
-      this.framed = true;
+    if (!this.framed && !this.touched && !view.box.isEmpty()) { // until there is a cut model that is the bare mesh
+      this.framed = !bare;
       this.table.fromDocument(this.statedCamera);
     }
     this.stale(this.staleBodies);
@@ -162,10 +166,11 @@ export class Viewport {
 
   /* ---- how it is looked at ---- */
 
-  look(how: { mode?: number; isolines?: boolean; edges?: boolean; accent?: THREE.Color }): void {
+  look(how: { mode?: number; isolines?: boolean; edges?: boolean; unlit?: boolean; accent?: THREE.Color }): void {
     if (how.mode !== undefined) this.shared.mode.value = how.mode;
     if (how.isolines !== undefined) this.shared.showIsolines.value = how.isolines;
     if (how.edges !== undefined) this.shared.showEdges.value = how.edges;
+    if (how.unlit !== undefined) this.shared.unlit.value = how.unlit;
     if (how.accent) this.shared.accent.value.set(how.accent.r, how.accent.g, how.accent.b);
     this.invalidate();
   }
