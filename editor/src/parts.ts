@@ -1,31 +1,31 @@
 // Operations on parts: the pieces that cuts leave. A point in a part names it.
 
-import { type App } from './app';
-import type { Point } from './protocol';
+import type { App } from './app';
+import type { Json, Point } from './protocol';
+import { bodyKey } from './store';
 
 /** Hides or shows a part of the view. */
 export function hidePart(app: App, index: number, hidden: boolean): Promise<boolean> {
   const part = app.model.parts[index];
   if (!part) return Promise.resolve(false);
-  return app.actions.apply(hidden ? 'Hide part' : 'Show part', [partOperation(part.inside, hidden)]);
+  const operation = { op: hidden ? 'part.hide' : 'part.show', at: part.inside, ...bodyKey(app.store.state, part.body) };
+  return app.actions.apply(hidden ? 'Hide part' : 'Show part', [operation]);
 }
 
 /** Shows all hidden parts, as one step. */
 export function showAllParts(app: App): Promise<boolean> {
-  const hidden = app.model.parts.filter((part) => part.hidden);
-  if (hidden.length === 0) return Promise.resolve(false);
-  return app.actions.apply('Show all parts', hidden.map((part) => partOperation(part.inside, false)));
+  return app.actions.apply('Show all parts', [{ op: 'part.show', all: true }]);
 }
-
-function partOperation(at: Point, hidden: boolean): { [key: string]: unknown } { return { op: 'part.hide', at, hidden }; }
 
 /** Puts parts that were moved by hand back where the cuts left them, and no longer pulls them apart for looking. */
 export async function bringTogether(app: App): Promise<void> {
   app.store.set({ apart: 0 });
-  const moved = (app.store.state.document.parts ?? []).filter((part: { offset?: Point }) => part.offset?.some((x) => x !== 0));
-  if (moved.length === 0) return;
-  await app.actions.apply('Bring parts together',
-    moved.map((part: { at: Point }) => ({ op: 'part.move', at: part.at, offset: [0, 0, 0] })));
+  if (anyMoved(app.store.state.document)) await app.actions.apply('Bring parts together', [{ op: 'part.together' }]);
+}
+
+/** Has a part been moved by hand? */
+export function anyMoved(document: Json): boolean {
+  return ((document.parts ?? []) as { offset?: Point }[]).some((part) => part.offset?.some((x) => x !== 0));
 }
 
 /** Parts as people tell them apart: the body's name where there are several, and a number within the body. */

@@ -85,7 +85,11 @@ const acts = {
   'cut.remove': (document, _, { index }) => { document.cuts.splice(index ?? document.cuts.length - 1, 1); },
   'solid.choose': (_, body, { name }) => { body.solid = name; },
   'solid.type': (_, body, { name, type }) => { solidOf(body, name).type = type; },
-  'part.hide': (document, _, { at, hidden }) => part(document, at, { hidden }),
+  'part.hide': (document, _, { at }) => part(document, at, { hidden: true }),
+  'part.show': (document, _, { at, all }) => {
+    for (const each of document.parts ?? []) if (all || each.at.every((x, i) => x === at[i])) each.hidden = false;
+  },
+  'part.together': (document) => { for (const each of document.parts ?? []) delete each.offset; },
   'part.move': (document, _, { at, offset }) => part(document, at, { offset }),
 };
 

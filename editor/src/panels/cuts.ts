@@ -2,7 +2,7 @@
 
 import { operate, setValue } from '../app';
 import type { Json } from '../protocol';
-import { bringTogether, hidePart, partNames } from '../parts';
+import { anyMoved, bringTogether, hidePart, partNames } from '../parts';
 import { button, checkbox, iconButton, row, segmented } from '../ui/controls';
 import { h, live } from '../ui/dom';
 import { empty, list, listRow, section, setNote } from '../ui/layout';
@@ -72,7 +72,7 @@ function partsSection(context: Context): HTMLElement {
   part.body.append(rows, pull);
   live(store, rows, ['serial', 'part', 'bodies', 'document'], (state) => ({
     parts: app.model.parts.map((each) => ({ hidden: each.hidden, body: each.body })), picked: state.part, names: partNames(app),
-    moved: ((state.document.parts ?? []) as Json[]).some((each) => each.offset),
+    moved: anyMoved(state.document),
   }), ({ parts, picked, names, moved }) => {
     setNote(part, parts.length ? String(parts.length) : null);
     pull.hidden = parts.length < 2;
