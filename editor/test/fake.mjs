@@ -8,7 +8,7 @@ import { dirname, extname, join, normalize } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { deflateSync } from 'node:zlib';
 import { operate } from './fake_operations.mjs';
-import { packet, sphereMesh, sphereView, voxelsOf } from './fake_packets.mjs';
+import { ballSolid, meridians, packet, sphereLayer, sphereMesh, sphereView, voxelsOf } from './fake_packets.mjs';
 
 const root = join(dirname(fileURLToPath(import.meta.url)), '..', '..');
 const types = { '.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css', '.svg': 'image/svg+xml', '.jpg': 'image/jpeg' };
@@ -23,7 +23,7 @@ export async function startFake(folder, document, options = {}) {
   await new Promise((resolve) => server.listen(0, '127.0.0.1', resolve));
   const { port } = server.address();
   return {
-    address: `http://127.0.0.1:${port}/#token=${token}`, fake,
+    address: `http://127.0.0.1:${port}/#${token}`, fake,
     async stop() { fake.drop(); server.closeAllConnections(); await new Promise((resolve) => server.close(resolve)); },
   };
 }
@@ -129,7 +129,9 @@ export class Fake {
       case 'files': return answer({ files: filesOf(request.kind) });
       case 'recipe': return answer({ recipe: JSON.parse(readFileSync(join(root, 'examples', request.path))) });
       case 'exemplar': return socket.write(frameOf(voxelsOf(request, this.document, root), 2));
-      case 'layer': case 'lines': case 'section': throw new Error(`This server has no ${request.do}.`);
+      case 'layer': return socket.write(frameOf(sphereLayer(request), 2));
+      case 'lines': return socket.write(frameOf(meridians(request), 2));
+      case 'section': throw new Error(`This server has no ${request.do}.`);
       case 'picture': answer({ job: ++this.jobs }); return this.picture(this.jobs, request);
       case 'file.put': return answer({ path: request.name });
       default: throw new Error(`There is no request ${request.do}.`);
@@ -165,7 +167,12 @@ export class Fake {
 
   sendModel(socket) {
     (this.document.bodies ?? [this.document]).forEach((_, body) => socket.write(frameOf(sphereMesh(body, ++this.serial), 2)));
-    if (this.shown) socket.write(frameOf(sphereView(this.document, this.revision, ++this.serial), 2));
+    if (this.shown) for (const bytes of this.modelPackets()) socket.write(frameOf(bytes, 2));
+  }
+
+  modelPackets() {
+    const solids = (this.document.bodies ?? [this.document]).map((_, body) => ballSolid(body, ++this.serial));
+    return [...solids, sphereView(this.document, this.revision, ++this.serial)];
   }
 
   sendView() { if (this.shown) for (const socket of this.sockets) socket.write(frameOf(sphereView(this.document, this.revision, ++this.serial), 2)); }
@@ -183,7 +190,7 @@ export class Fake {
       this.shown = JSON.stringify(solidPart(this.document));
       event('done', 1, { seconds: 2.34, times: { shape: 0.12, tets: 0.3, fields: 0.21, exemplar: 0.4, fill: 1.3, cut: 0.004 } });
       this.tell(this.event());
-      this.sendView();
+      for (const bytes of this.modelPackets()) for (const socket of this.sockets) socket.write(frameOf(bytes, 2));
     };
     event('waiting', 0);
     step(0);
@@ -253,7 +260,7 @@ function png(width, height, colour) {
   const chunk = (name, data) => {
     const body = Buffer.concat([Buffer.from(name), data]), ends = Buffer.alloc(8);
     ends.writeUInt32BE(data.length, 0);
-    ends.writeUInt32BE([...body].reduce((crc, byte) => crcs[(crc ^ byte) & 255] ^ (crc >>> 8), 0xffffffff) ^ -1 >>> 0, 4);
+    ends.writeUInt32BE(([...body].reduce((crc, byte) => crcs[(crc ^ byte) & 255] ^ (crc >>> 8), 0xffffffff) ^ -1) >>> 0, 4);
     return Buffer.concat([ends.subarray(0, 4), body, ends.subarray(4)]);
   };
   const size = Buffer.alloc(13);

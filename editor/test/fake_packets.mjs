@@ -45,6 +45,33 @@ export function sphereMesh(body, serial) {
     { positions: ['f32', positions.map((x, i) => (i % 3 === 0 ? x + 2.4 * body : x))], triangles: ['u32', triangles], painted: ['f32', Array(triangles.length / 3).fill(0)] });
 }
 
+/** A solid baked into a grid: shells of green and white. */
+export function ballSolid(body, serial) {
+  const n = 24, voxels = new Uint8Array(4 * n ** 3);
+  for (let i = 0; i < n ** 3; ++i) {
+    const [x, y, z] = [i % n, Math.floor(i / n) % n, Math.floor(i / n / n)].map((at) => (2 * at) / (n - 1) - 1), away = Math.hypot(x, y, z);
+    voxels.set(away > 0.95 ? [107, 80, 48, 255] : away > 0.4 ? [134, 171, 44, 255] : [241, 238, 210, 255], 4 * i);
+  }
+  return packet({ kind: 'solid', body, serial, type: 'grid', size: [n, n, n], origin: [2.4 * body - 1, -1, -tall], spacing: [2 / (n - 1), 2 / (n - 1), (2 * tall) / (n - 1)] },
+    { voxels: ['u8', voxels] });
+}
+
+/** The layer of a depth: the sphere, smaller. */
+export function sphereLayer({ id, depth }) {
+  const size = 1 - depth;
+  return packet({ kind: 'layer', id, depth, range: [0, 1] }, { positions: ['f32', positions.map((x) => x * size)], normals: ['f32', positions], triangles: ['u32', triangles] });
+}
+
+/** Streamlines from pole to pole. */
+export function meridians({ id }) {
+  const points = [], start = [0];
+  for (let j = 0; j < columns; j += 3) {
+    for (let i = 1; i < rows; ++i) { const v = 3 * (i * columns + j); points.push(...positions.slice(v, v + 3).map((x) => 1.01 * x)); }
+    start.push(points.length / 3);
+  }
+  return packet({ kind: 'lines', id }, { positions: ['f32', points], start: ['u32', start], depth: ['f32', Array(points.length / 3).fill(0.2)], part: ['u32', Array(start.length - 1).fill(0)] });
+}
+
 /** Two halves of every body while there are cuts that keep both sides, else one part of each. */
 export function sphereView(document, revision, serial) {
   const bodies = document.bodies ?? [document], halves = (document.cuts ?? []).some((cut) => (cut.keep ?? 'both') === 'both') ? 2 : 1;

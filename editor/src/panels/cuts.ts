@@ -39,7 +39,7 @@ function cutRow(context: Context, cut: Json, index: number, chosen: boolean): HT
     store.set({ chosenCut: null });
   };
   return listRow({
-    icon: cut.plane ? 'plane' : 'stroke', text: `${index + 1}  ${kind}`, chosen, key: path,
+    icon: cut.plane ? 'plane' : 'stroke', text: `${kind} ${index + 1}`, chosen, key: path,
     choose: () => store.set({ chosenCut: chosen ? null : index }), tip: chosen ? undefined : 'Show its options; Delete removes it',
     detail: cut.plane ? `across ${pointWords(cut.plane.normal)}` : many(cut.stroke?.points?.length ?? 0, 'point'),
     actions: [
@@ -59,7 +59,7 @@ function cutMore({ app }: Context, cut: Json, path: string, keep: string): HTMLE
   return h('div', { class: 'row-more' },
     keep === 'both' && row('Gap', slider('Gap', gap, cut.gap ?? 0, (value) => void setValue(app, 'Set gap', `${path}.gap`, value),
       { key: `${path}.gap` }).element, { tip: 'How far both sides are moved apart.' }),
-    row('Separate', checkbox('Pieces apart', cut.separate ?? false, (on) => void setValue(app, on ? 'Separate pieces' : 'Join pieces', `${path}.separate`, on),
+    row('Separate pieces', checkbox('', cut.separate ?? false, (on) => void setValue(app, on ? 'Separate pieces' : 'Join pieces', `${path}.separate`, on),
       { key: `${path}.separate`, look: 'switch' }).element, { tip: 'Pieces that do not hang together become parts of their own.' }),
     cut.stroke && optionRows(app, `${path}.stroke`, { of: 'cut' }));
 }

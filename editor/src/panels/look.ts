@@ -10,7 +10,7 @@ import { gradient, type Stop } from '../ui/gradient';
 import { icon } from '../ui/icons';
 import { empty, section, setNote } from '../ui/layout';
 import { numberField } from '../ui/slider';
-import { commandButton, type Context } from './context';
+import { commandButton, refreshCommand, type Context } from './context';
 import { optionRows } from './options';
 
 /** The sections of the tab. */
@@ -139,14 +139,16 @@ function rangeOf(stops: Stop[]): [number, number] {
 function documentSection(context: Context): HTMLElement {
   const { app } = context, { store } = app, part = section('document', 'Document'), facts = h('dl', { class: 'facts' });
   const id = uid(), title = textField('Title', '', (text) => void (text ? setValue(app, 'Set title', 'title', text) : removeValue(app, 'Remove title', 'title')), { id, key: 'title' });
+  const revert = commandButton(context, 'revert', { look: 'plain' });
   part.body.append(row('Title', title.element, { for: id, tip: 'A name for people.' }), facts, h('div', { class: 'actions' },
-    commandButton(context, 'save', { icon: 'save' }), commandButton(context, 'save-as'), commandButton(context, 'revert', { look: 'plain' })));
+    commandButton(context, 'save', { icon: 'save' }), commandButton(context, 'save-as'), revert));
   const refresh = (): void => {
+    refreshCommand(context, revert, 'revert');
     const { document, path, version } = store.state;
     if (globalThis.document.activeElement !== title.element) title.set(document.title ?? '');
     fill(facts, path && [h('dt', null, 'File'), h('dd', { title: path }, path)], version && [h('dt', null, 'pith'), h('dd', null, version)]);
   };
-  store.on(['document', 'path', 'version'], refresh);
+  store.on(['document', 'path', 'version', 'saved'], refresh);
   refresh();
   return part.element;
 }

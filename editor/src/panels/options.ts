@@ -64,7 +64,7 @@ export function optionRow(app: App, place: string, field: Field, value: unknown,
     wide: control.wide });
   if (given && field.default !== undefined && !field.required && value !== field.default) {
     made.classList.add('given');
-    made.querySelector('.row-label')!.after(iconButton('return', `Back to ${String(field.default)}`, reset,
+    made.prepend(iconButton('return', `Back to ${String(field.default)}`, reset,
       { look: 'plain', class: 'row-reset', key: `${path}!` }));
   }
   return made;

@@ -84,7 +84,7 @@ function middle(context: Context): HTMLElement {
     if (state.connection === 'connecting') return 'connecting';
     if (state.bodies.length === 0) return null;
     if (!solidOf(state)) return 'no solid';
-    const built = state.bodies.some((body) => body.built.solid || body.shown) || app.model.patches() > 0;
+    const built = app.model.solids.size > 0 || state.bodies.some((body) => body.built.solid || body.shown);
     return built || isBusy(state) ? null : state.bodies[state.body]?.why ? 'why' : 'not built';
   }, (what) => {
     if (what === 'connecting') return h('p', { class: 'stage-card' }, 'Opening the document…');

@@ -76,7 +76,7 @@ function planeOptions({ app }: Context): Child[] {
     labelled('Across', h('div', { class: 'pair' }, (['x', 'y', 'z'] as const).map((axis) =>
       button(axis.toUpperCase(), towards(axis), { tip: `Across the ${axis} axis`, class: 'square' })))),
     button('Facing me', () => plane.turn(camera.position.clone().sub(target)), { tip: 'Turn the plane to face the eye' }),
-    iconButton('update', 'Other side', () => plane.flip()),
+    iconButton('flip', 'Other side', () => plane.flip()),
     button('Cut', () => plane.commit('negative'), { look: 'main', icon: 'cut', keys: 'Enter', tip: 'Cut here; what the arrow points to goes' }),
     button('Cut, keep both', () => plane.commit('both'), { icon: 'both', tip: 'Cut here; both sides stay, apart' }),
   ];

@@ -85,7 +85,7 @@ export function checkbox(label: string, value: boolean, choose: (value: boolean)
     onchange: () => choose(input.checked),
   });
   input.checked = value;
-  const element = h('label', { class: 'check-label', 'data-tip': options.tip }, input, h('span', null, label));
+  const element = h('label', { class: 'check-label', 'data-tip': options.tip }, input, label !== '' && h('span', null, label));
   return { element, set(next) { input.checked = next; } };
 }
 

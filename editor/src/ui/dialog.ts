@@ -23,7 +23,7 @@ export function openDialog(options: DialogOptions): () => void {
   const dialog = h('dialog', { class: `dialog ${options.class ?? ''}`, 'aria-labelledby': title },
     h('header', null, h('h2', { id: title }, options.title), iconButton('close', 'Close', close, { look: 'plain', keys: 'Esc' })),
     options.about && h('p', { class: 'dialog-about' }, options.about),
-    h('div', { class: 'dialog-body' }, options.body),
+    h('div', { class: 'dialog-body', tabindex: -1, autofocus: true }, options.body),
     options.actions && h('footer', null, options.actions));
   dialog.addEventListener('close', () => {
     dialog.remove();

@@ -49,6 +49,8 @@ export class Overlay {
 
   draw(): void {
     const brush = this.canvas.getContext('2d')!;
+    // Chromium may go on showing a sheet that was only cleared.
+    this.canvas.style.visibility = this.lists.size > 0 ? '' : 'hidden';
     brush.setTransform(1, 0, 0, 1, 0, 0);
     brush.clearRect(0, 0, this.canvas.width, this.canvas.height);
     brush.scale(this.canvas.width / this.width, this.canvas.height / this.height);
