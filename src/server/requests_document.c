@@ -19,12 +19,14 @@ static void describe(const editor *own, json_t *to)
 {
     const session *opened = own->opened;
     json_object_set_new(to, "revision", json_integer((json_int_t)session_revision(opened)));
-    json_object_set_new(to, "document", json_loads(session_present(opened)->text, 0, NULL));
+    json_object_set_new(to, "document", json_incref(session_present(opened)->root));
     json_object_set_new(to, "name", json_string(session_step_name(opened)));
     json_object_set_new(to, "undo", names(opened, session_undo_name));
     json_object_set_new(to, "redo", names(opened, session_redo_name));
     json_object_set_new(to, "saved", json_boolean(session_saved(opened)));
     json_object_set_new(to, "recovered", json_boolean(session_recovered(opened)));
+    json_object_set_new(to, "automatic", json_boolean(own->automatic));
+    json_object_set_new(to, "bodies", build_bodies(own));
 }
 
 static void tell_document(editor *own, uint32_t by)
@@ -49,6 +51,7 @@ pith_status do_hello(editor *own, request *asked, pith_error *err)
     json_object_set_new(to, "schema", json_loads(schema, 0, NULL));
     describe(own, to);
     pith_free(schema);
+    viewer_hello(own->view, asked->socket);
     return PITH_OK;
 }
 
@@ -68,6 +71,7 @@ static void changed(editor *own, request *asked)
 {
     json_object_set_new(asked->answer, "revision", json_integer((json_int_t)session_revision(own->opened)));
     tell_document(own, asked->socket);
+    build_document_changed(own);
 }
 
 pith_status do_apply(editor *own, request *asked, pith_error *err)
