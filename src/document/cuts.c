@@ -1,4 +1,4 @@
-/* Cuts in sequence: every part there is, is cut; what a cut does not meet passes through as it is. */
+/* The cuts of a model: which there are, what they are recognised by, and which side of them something is on. */
 #include <string.h>
 
 #include "model_internal.h"
@@ -62,11 +62,35 @@ pith_status pith_model_set_cuts(pith_model *model, const pith_cut_step *cuts, si
     cut_list_clear(&model->cuts);
     model->cuts = copy;
     model->own_cuts = true;
+    model_sort_levels(model);
     for (size_t i = 0; i < model->body_count; ++i) { /* bodies follow the whole again */
         model_drop_items(model->bodies[i]);
         model->bodies[i]->own_cuts = false;
+        model_sort_levels(model->bodies[i]);
     }
     return PITH_OK;
+}
+
+/* ---- keys -------------------------------------------------------------------------------------------------------------------- */
+
+/* All that a cut does to parts; where they go afterwards does not count. */
+static uint64_t hash_cut(const pith_cut_step *cut, uint64_t hash)
+{
+    const uint64_t how[3] = { cut->keep, cut->separate, cut->stroke.count };
+    hash = pith_hash_bytes(how, sizeof how, hash);
+    if (cut->stroke.count == 0) return pith_hash_bytes(&cut->plane, sizeof cut->plane, hash);
+    hash = pith_hash_bytes(&cut->stroke.eye, sizeof cut->stroke.eye, hash);
+    hash = pith_hash_bytes(cut->stroke.points, cut->stroke.count * sizeof *cut->stroke.points, hash);
+    return hash_options(&pith_cut_stroke_params, &cut->follow, hash);
+}
+
+uint64_t model_cut_key(const pith_model *model, size_t count)
+{
+    const cut_list *cuts = model_cuts(model);
+    uint64_t hash = model->body ? pith_mix64(model->keys.tets) : 0;
+    for (size_t i = 0; i < model->body_count; ++i) hash = pith_mix64(hash ^ model->bodies[i]->keys.tets);
+    for (size_t i = 0; i < count; ++i) hash = hash_cut(&cuts->steps[i], hash);
+    return hash;
 }
 
 pith_status cut_fail_at(const pith_model *model, size_t index, pith_status status, pith_error *err)
@@ -119,12 +143,13 @@ pith_status piece_side_of(const piece *from, const pith_cut_step *cut, piece_sid
 {
     *side = cut->stroke.count ? SIDE_BOTH : side_of_box(&from->box, &cut->plane);
     if (*side != SIDE_BOTH) return PITH_OK;
-    const uint32_t count = pith_part_look(from->part).vertex_count;
+    const pith_part *part = from->part->what;
+    const uint32_t count = pith_part_look(part).vertex_count;
     double *made = pith_alloc(count, sizeof *made);
     if (!made) return PITH_OUT_OF_MEMORY(err, "a cut");
     const pith_status status = cut->stroke.count
-                                   ? pith_part_stroke_values(from->part, &cut->stroke, &cut->follow, made, err)
-                                   : pith_part_plane_values(from->part, &cut->plane, made, err);
+                                   ? pith_part_stroke_values(part, &cut->stroke, &cut->follow, made, err)
+                                   : pith_part_plane_values(part, &cut->plane, made, err);
     double lowest = INFINITY, highest = -INFINITY;
     for (uint32_t v = 0; status == PITH_OK && v < count; ++v) {
         lowest = fmin(lowest, made[v]);
@@ -135,123 +160,4 @@ pith_status piece_side_of(const piece *from, const pith_cut_step *cut, piece_sid
     if (status == PITH_OK && *side == SIDE_BOTH) *values = made;
     else pith_free(made);
     return status;
-}
-
-/* ---- pieces --------------------------------------------------------------------------------------------------------------------- */
-
-void pieces_clear(piece_list *pieces)
-{
-    for (size_t i = 0; i < pieces->count; ++i)
-        if (!pieces->items[i].borrowed) pith_part_destroy(pieces->items[i].part);
-    pith_free(pieces->items);
-    *pieces = (piece_list){ 0 };
-}
-
-/* Takes the part over, also when it fails; parts without tets are dropped. */
-static pith_status add_piece(piece_list *pieces, piece added, pith_error *err)
-{
-    if (pith_part_look(added.part).tet_count == 0) {
-        if (!added.borrowed) pith_part_destroy(added.part);
-        return PITH_OK;
-    }
-    if (!pith_grow((void **)&pieces->items, &pieces->capacity, pieces->count + 1, sizeof *pieces->items)) {
-        if (!added.borrowed) pith_part_destroy(added.part);
-        return PITH_OUT_OF_MEMORY(err, "a piece");
-    }
-    pieces->items[pieces->count++] = added;
-    return PITH_OK;
-}
-
-/* The same part, or part of it, as a piece that owns it. */
-static piece piece_of(const piece *from, pith_part *part, pith_vec3 offset)
-{
-    const pith_part_view view = pith_part_look(part);
-    return (piece){ from->body, part, false, pith_box_of(view.material, view.vertex_count), offset };
-}
-
-static pith_status split_piece(piece *from, const pith_cut_step *cut, piece_list *to, pith_error *err)
-{
-    double *values = NULL;
-    piece_side side;
-    PITH_TRY(piece_side_of(from, cut, &side, &values, err));
-    if (side != SIDE_BOTH) { /* passes on as it is */
-        if (!cut_keeps(cut, side == SIDE_POSITIVE)) return PITH_OK;
-        piece passed = *from;
-        passed.offset = cut_offset(cut, from->offset, side == SIDE_POSITIVE);
-        from->borrowed = true; /* it is the other list's from now on */
-        return add_piece(to, passed, err);
-    }
-    pith_part *sides[2] = { NULL, NULL };
-    pith_status status = pith_part_split(from->part, values, cut_keeps(cut, false) ? &sides[0] : NULL,
-                                         cut_keeps(cut, true) ? &sides[1] : NULL, err);
-    pith_free(values);
-    for (int k = 0; k < 2; ++k) {
-        if (!sides[k]) continue;
-        if (status == PITH_OK)
-            status = add_piece(to, piece_of(from, sides[k], cut_offset(cut, from->offset, k == 1)), err);
-        else pith_part_destroy(sides[k]);
-    }
-    return status;
-}
-
-/* Every piece that consists of several bodies becomes several pieces. */
-static pith_status separate_pieces(piece_list *pieces, pith_error *err)
-{
-    piece_list apart = { 0 };
-    pith_status status = PITH_OK;
-    for (size_t i = 0; status == PITH_OK && i < pieces->count; ++i) {
-        piece *from = &pieces->items[i];
-        pith_part **parts = NULL;
-        size_t count = 0;
-        status = pith_part_components(from->part, &parts, &count, err);
-        for (size_t k = 0; k < count; ++k) {
-            if (status == PITH_OK) status = add_piece(&apart, piece_of(from, parts[k], from->offset), err);
-            else pith_part_destroy(parts[k]);
-        }
-        pith_free(parts);
-    }
-    if (status == PITH_OK) {
-        pieces_clear(pieces);
-        *pieces = apart;
-    } else {
-        pieces_clear(&apart);
-    }
-    return status;
-}
-
-static pith_status split_pieces(piece_list *pieces, const pith_cut_step *cut, pith_error *err)
-{
-    piece_list made = { 0 };
-    pith_status status = PITH_OK;
-    for (size_t i = 0; status == PITH_OK && i < pieces->count; ++i)
-        status = split_piece(&pieces->items[i], cut, &made, err);
-    if (status == PITH_OK && cut->separate) status = separate_pieces(&made, err);
-    if (status == PITH_OK) {
-        pieces_clear(pieces);
-        *pieces = made;
-    } else {
-        pieces_clear(&made);
-    }
-    return status;
-}
-
-static pith_status add_whole(pith_model *body, piece_list *pieces, pith_error *err)
-{
-    PITH_TRY(pith_model_part(body, NULL, err));
-    piece whole = piece_of(&(piece){ .body = body }, body->whole, pith_v3(0, 0, 0));
-    whole.borrowed = true;
-    return add_piece(pieces, whole, err);
-}
-
-pith_status model_pieces(pith_model *model, size_t count, piece_list *pieces, pith_error *err)
-{
-    const cut_list *cuts = model_cuts(model);
-    if (model->body) PITH_TRY(add_whole(model, pieces, err));
-    for (size_t i = 0; i < model->body_count; ++i) PITH_TRY(add_whole(model->bodies[i], pieces, err));
-    for (size_t i = 0; i < count; ++i) {
-        PITH_TRY(pith_progress_step(model->progress, (double)i / (double)count, "cuts", err));
-        const pith_status status = split_pieces(pieces, &cuts->steps[i], err);
-        if (status != PITH_OK) return cut_fail_at(model, i, status, err);
-    }
-    return PITH_OK;
 }

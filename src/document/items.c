@@ -5,75 +5,19 @@
 
 void model_drop_items(pith_model *model)
 {
-    for (size_t i = 0; i < model->item_count; ++i) pith_shell_destroy((pith_shell *)model->items[i].shell);
     pith_free(model->items);
     model->items = NULL;
-    model->item_count = model->item_capacity = 0;
-    model->items_made = false;
-    pieces_clear(&model->volume);
+    for (int displaced = 0; displaced < 2; ++displaced) {
+        pith_free(model->pieces[displaced]);
+        model->pieces[displaced] = NULL;
+    }
+    holding_release(model->moved);
+    holding_release(model->shells);
+    model->moved = model->shells = NULL;
     pith_free(model->volume_items);
     model->volume_items = NULL;
-}
-
-/* The shell with its skin moved, when the body says so; takes it over, also when it fails. */
-static pith_status displace(const pith_model *body, pith_shell **shell, pith_error *err)
-{
-    if (!body->body->displaced) return PITH_OK;
-    pith_shell *moved = NULL;
-    const pith_status status = pith_bake_displaced(*shell, body->solid, &body->body->displacement, &moved, err);
-    pith_shell_destroy(*shell);
-    *shell = moved;
-    return status == PITH_OK ? PITH_OK : model_fail_at(body, status, "displacement", NULL, NULL, err);
-}
-
-/* Hands the shell to the model, also when it fails; empty ones are dropped. */
-static pith_status add_item(pith_model *model, const piece *from, pith_shell *shell, pith_vec3 offset, pith_error *err)
-{
-    if (!shell || pith_shell_look(shell).triangle_count == 0) {
-        pith_shell_destroy(shell);
-        return PITH_OK;
-    }
-    PITH_TRY(displace(from->body, &shell, err));
-    if (!pith_grow((void **)&model->items, &model->item_capacity, model->item_count + 1, sizeof *model->items)) {
-        pith_shell_destroy(shell);
-        return PITH_OUT_OF_MEMORY(err, "a shell");
-    }
-    model->items[model->item_count++] =
-        (pith_render_item){ .shell = shell, .solid = from->body->solid, .offset = offset };
-    return PITH_OK;
-}
-
-static pith_status add_closed(pith_model *model, const piece *from, pith_vec3 offset, pith_error *err)
-{
-    pith_shell *shell = NULL;
-    PITH_TRY(pith_part_shell(from->part, &shell, err));
-    return add_item(model, from, shell, offset, err);
-}
-
-/* One piece laid open by the last cut. */
-static pith_status lay_open(pith_model *model, const piece *from, const pith_cut_step *cut, size_t index,
-                            pith_error *err)
-{
-    double *values = NULL;
-    piece_side side;
-    pith_status status = piece_side_of(from, cut, &side, &values, err);
-    if (status != PITH_OK) return cut_fail_at(model, index, status, err);
-    if (side != SIDE_BOTH) {
-        const bool positive = side == SIDE_POSITIVE;
-        if (!cut_keeps(cut, positive)) return PITH_OK;
-        return add_closed(model, from, cut_offset(cut, from->offset, positive), err);
-    }
-    pith_shell *sides[2] = { NULL, NULL };
-    status = pith_part_cut(from->part, values, cut_keeps(cut, false) ? &sides[0] : NULL,
-                           cut_keeps(cut, true) ? &sides[1] : NULL, err);
-    if (status != PITH_OK) status = cut_fail_at(model, index, status, err);
-    pith_free(values);
-    for (int k = 0; k < 2; ++k) {
-        if (status == PITH_OK)
-            status = add_item(model, from, sides[k], cut_offset(cut, from->offset, k == 1), err);
-        else pith_shell_destroy(sides[k]);
-    }
-    return status;
+    holding_release(model->volume_level);
+    model->volume_level = NULL;
 }
 
 pith_status pith_model_part(pith_model *model, const pith_part **part, pith_error *err)
@@ -88,33 +32,6 @@ pith_status pith_model_part(pith_model *model, const pith_part **part, pith_erro
     return PITH_OK;
 }
 
-/* The last cut need not make parts, only shells, unless parts are to be told apart after it. */
-static pith_status build_items(pith_model *model, pith_error *err)
-{
-    const cut_list *cuts = model_cuts(model);
-    const pith_cut_step *last = cuts->count ? &cuts->steps[cuts->count - 1] : NULL;
-    if (last && last->separate) last = NULL;
-    const size_t splits = last ? cuts->count - 1 : cuts->count;
-    const double start = pith_seconds();
-    piece_list pieces = { 0 };
-    pith_status status = model_pieces(model, splits, &pieces, err);
-    for (size_t i = 0; status == PITH_OK && i < pieces.count; ++i) {
-        if (!last) {
-            status = add_closed(model, &pieces.items[i], pieces.items[i].offset, err);
-            continue;
-        }
-        status = lay_open(model, &pieces.items[i], last, splits, err);
-    }
-    pieces_clear(&pieces);
-    if (status != PITH_OK) {
-        model_drop_items(model);
-        return status;
-    }
-    model->items_made = true;
-    model->times.cut = pith_seconds() - start;
-    return PITH_OK;
-}
-
 /* The solids of all bodies. */
 static pith_status build_solids(pith_model *model, pith_error *err)
 {
@@ -126,10 +43,26 @@ static pith_status build_solids(pith_model *model, pith_error *err)
     return PITH_OK;
 }
 
+static pith_status build_items(pith_model *model, pith_error *err)
+{
+    const pith_model_piece *pieces;
+    size_t count;
+    PITH_TRY(model_pieces(model, true, &pieces, &count, err));
+    pith_render_item *items = pith_alloc(count, sizeof *items);
+    if (!items) return PITH_OUT_OF_MEMORY(err, "shells");
+    model->item_count = 0;
+    for (size_t i = 0; i < count; ++i)
+        items[model->item_count++] = (pith_render_item){ .shell = pieces[i].shell,
+                                                         .solid = model_body(model, pieces[i].body)->solid,
+                                                         .offset = pieces[i].offset };
+    model->items = items;
+    return PITH_OK;
+}
+
 pith_status pith_model_items(pith_model *model, const pith_render_item **items, size_t *count, pith_error *err)
 {
     PITH_TRY(build_solids(model, err));
-    if (!model->items_made) PITH_TRY(build_items(model, err));
+    if (!model->items) PITH_TRY(build_items(model, err));
     *items = model->items;
     *count = model->item_count;
     return PITH_OK;
@@ -140,17 +73,23 @@ pith_status pith_model_items(pith_model *model, const pith_render_item **items, 
 static pith_status build_volume(pith_model *model, pith_error *err)
 {
     const double start = pith_seconds();
-    piece_list pieces = { 0 };
-    pith_status status = model_pieces(model, model_cuts(model)->count, &pieces, err);
-    pith_volume_item *items = status == PITH_OK ? pith_alloc(pieces.count, sizeof *items) : NULL;
-    if (status == PITH_OK && !items) status = PITH_OUT_OF_MEMORY(err, "parts");
-    if (status != PITH_OK) {
-        pieces_clear(&pieces);
-        return status;
+    holding *level = NULL;
+    piece_state *states = NULL;
+    PITH_TRY(model_cut(model, model_cuts(model)->count, &level, &states, err));
+    const cut_level *pieces = level->what;
+    pith_volume_item *items = pith_alloc(pieces->count, sizeof *items);
+    if (!items) {
+        holding_release(level);
+        pith_free(states);
+        return PITH_OUT_OF_MEMORY(err, "parts");
     }
-    for (size_t i = 0; i < pieces.count; ++i)
-        items[i] = (pith_volume_item){ pieces.items[i].part, pieces.items[i].body->solid, pieces.items[i].offset };
-    model->volume = pieces;
+    model->volume_count = 0;
+    for (size_t i = 0; i < pieces->count; ++i)
+        items[model->volume_count++] = (pith_volume_item){ pieces->pieces[i].part->what,
+                                                           model_body(model, pieces->pieces[i].body)->solid,
+                                                           states[i].offset };
+    pith_free(states);
+    model->volume_level = level;
     model->volume_items = items;
     model->times.cut = pith_seconds() - start;
     return PITH_OK;
@@ -162,7 +101,7 @@ pith_status pith_model_volume_items(pith_model *model, const pith_volume_item **
     PITH_TRY(build_solids(model, err));
     if (!model->volume_items) PITH_TRY(build_volume(model, err));
     *items = model->volume_items;
-    *count = model->volume.count;
+    *count = model->volume_count;
     return PITH_OK;
 }
 

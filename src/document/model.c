@@ -204,10 +204,11 @@ pith_status pith_model_create(const pith_document *document, const pith_model_op
 void pith_model_destroy(pith_model *model)
 {
     if (!model) return;
-    model_drop_items(model); /* before the bodies: pieces borrow their parts */
+    model_drop_items(model);
     if (model->store) flush(model);
     for (size_t i = 0; i < model->body_count; ++i) pith_model_destroy(model->bodies[i]);
     pith_free(model->bodies);
+    model_release_levels(model);
     cut_list_clear(&model->cuts);
     model_release_stages(model);
     cache_destroy(model->store);
@@ -216,6 +217,8 @@ void pith_model_destroy(pith_model *model)
 
 /* ---- what is known of a model -------------------------------------------------------------------------------------------- */
 
+pith_model *model_body(pith_model *model, size_t index) { return model->body ? model : model->bodies[index]; }
+
 size_t pith_model_bodies(const pith_model *model) { return model->body ? 1 : model->body_count; }
 
 pith_status pith_model_body(pith_model *model, size_t index, pith_model **body, pith_error *err)
@@ -223,7 +226,7 @@ pith_status pith_model_body(pith_model *model, size_t index, pith_model **body, 
     if (index >= pith_model_bodies(model))
         return pith_fail(err, PITH_BAD_ARGUMENT, "%s: there is no body %zu; the model has %zu, counted from 0",
                          model->document->path, index, pith_model_bodies(model));
-    *body = model->body ? model : model->bodies[index];
+    *body = model_body(model, index);
     return PITH_OK;
 }
 

@@ -1,13 +1,18 @@
 /* A model from the inside: what has been built so far. model.c is its life and its cache; sharing.c holds what was built
    and shares it with other models; model_shape.c, model_fields.c and model_solid.c build the stages of a body; cuts.c
-   cuts bodies to pieces; items.c looks at them. */
+   has the cuts, levels.c cuts bodies to parts, pieces.c makes their shells; items.c looks at them. */
 #ifndef PITH_MODEL_INTERNAL_H
 #define PITH_MODEL_INTERNAL_H
 
 #include "document_internal.h"
 
 /* Something that was built, never changes again, and lives as long as anybody holds it: models of several threads. */
-typedef struct holding holding;
+typedef struct holding {
+    int holders;                /* changed atomically */
+    void *what;
+    void (*destroy)(void *what);
+    struct holding *on;         /* what it borrows, or NULL */
+} holding;
 /* Takes `what` over, also when it fails. It holds `on`, which may be NULL: what it borrows. */
 pith_status holding_new(void *what, void (*destroy)(void *what), holding *on, holding **made, pith_error *err);
 holding *holding_share(holding *shared);    /* NULL is allowed, in both */
@@ -35,15 +40,48 @@ typedef struct cut_list {
     bool from_document;         /* messages name the document's place */
 } cut_list;
 
+/* Which side of a cut something is on, when it is not on both. */
+typedef enum piece_side { SIDE_NEGATIVE, SIDE_POSITIVE, SIDE_BOTH } piece_side;
+
 /* A part on its way through the cuts. */
 typedef struct piece {
-    const pith_model *body;     /* whose solid it is made of */
-    pith_part *part;
-    bool borrowed;              /* the part is the body's own */
+    holding *part;              /* a pith_part */
+    size_t body;                /* which of the model's its tets are of */
     pith_box box;               /* of its material coordinates */
-    pith_vec3 offset;
+    size_t parent;              /* the piece it was before the last cut, */
+    piece_side side;            /* and on which side of it */
 } piece;
-typedef struct piece_list { piece *items; size_t count, capacity; } piece_list;
+
+/* All pieces after some cuts; never changed once made. */
+typedef struct cut_level {
+    uint64_t key;               /* of the bodies' tets and of the cuts, but for their gaps */
+    piece *pieces;              /* [count] */
+    size_t count, capacity;
+    size_t bytes;               /* of what the last cut made */
+} cut_level;
+
+/* What the cuts so far have done with a piece, besides cutting it. */
+typedef struct piece_state { pith_vec3 offset; } piece_state;
+
+/* The shells after all cuts, never changed once made. The last cut need not make parts, only lay them open; then the
+   level is the one before it. */
+typedef struct cut_shell {
+    pith_shell *shell;
+    size_t parent;              /* of which piece of the level, */
+    piece_side side;            /* and which side of the last cut when that is laid open */
+    pith_vec3 inside;           /* material point */
+} cut_shell;
+typedef struct cut_shells {
+    uint64_t key;
+    holding *level;
+    bool laid_open;
+    double **values;            /* laid open: of the cut at the vertices of each piece; NULL where it misses the piece */
+    cut_shell *items;           /* [count]; none is empty */
+    size_t count, capacity;
+} cut_shells;
+
+/* The same shells with the skins of displaced bodies moved: [count] as the cut_shells, NULL where the body has none. */
+typedef struct moved_shells { uint64_t key; pith_shell **shells; size_t count; } moved_shells;
 
 struct pith_model {
     const pith_document *document;
@@ -83,11 +121,17 @@ struct pith_model {
 
     cut_list cuts;              /* of a whole; bodies follow their owner's unless they were given their own */
     bool own_cuts;
-    pith_render_item *items;    /* own their shells */
-    size_t item_count, item_capacity;
-    bool items_made;
-    piece_list volume;          /* the parts of volume_items */
-    pith_volume_item *volume_items; /* [volume.count] */
+    holding **levels;           /* [level_count] of cut_level: after 0, 1, … cuts; NULL where none is kept */
+    size_t level_count;
+    bool keeps_levels;          /* for the next model, and for asking where a point went */
+    holding *shells;            /* cut_shells */
+    holding *moved;             /* moved_shells */
+    pith_model_piece *pieces[2];    /* [shells' count]: as cut, displaced */
+    pith_render_item *items;    /* [item_count] */
+    size_t item_count;
+    holding *volume_level;      /* cut_level: the parts of volume_items */
+    pith_volume_item *volume_items; /* [volume_count] */
+    size_t volume_count;
 };
 
 /* Adds a sentence to the notes. */
@@ -133,14 +177,14 @@ pith_status model_build_secondary(pith_model *model, const pith_tets *tets, cons
                                   const double *depth, const pith_vec3 *gradient, pith_vec3 *secondary,
                                   pith_error *err);
 
+/* The body of that number, as pieces have it. */
+pith_model *model_body(pith_model *model, size_t index);
 /* The cuts a model is cut by: its own, or its owner's. */
 const cut_list *model_cuts(const pith_model *model);
 void cut_list_clear(cut_list *cuts);
-/* The parts of all bodies after the first `count` cuts; pieces is empty before, and the caller's to clear. */
-pith_status model_pieces(pith_model *model, size_t count, piece_list *pieces, pith_error *err);
-void pieces_clear(piece_list *pieces);
+/* The key of what is left after the first `count` cuts. */
+uint64_t model_cut_key(const pith_model *model, size_t count);
 /* Is the whole piece on one side of a cut? Else the values of the cut at its vertices, which the caller frees. */
-typedef enum piece_side { SIDE_NEGATIVE, SIDE_POSITIVE, SIDE_BOTH } piece_side;
 pith_status piece_side_of(const piece *from, const pith_cut_step *cut, piece_side *side, double **values,
                           pith_error *err);
 bool cut_keeps(const pith_cut_step *cut, bool positive);
@@ -148,7 +192,24 @@ bool cut_keeps(const pith_cut_step *cut, bool positive);
 pith_vec3 cut_offset(const pith_cut_step *cut, pith_vec3 offset, bool positive);
 /* The message of a failure in a cut, with its place. */
 pith_status cut_fail_at(const pith_model *model, size_t index, pith_status status, pith_error *err);
-/* Forgets shells and pieces. */
+/* The pieces after the first `count` cuts: a cut_level, which the caller releases, and the state of each piece, which
+   the caller frees. */
+pith_status model_cut(pith_model *model, size_t count, holding **level, piece_state **states, pith_error *err);
+/* Keeps of the levels those that belong to the model's cuts. */
+void model_sort_levels(pith_model *model);
+void model_release_levels(pith_model *model);
+/* Takes levels and shells over. */
+void model_share_cuts(pith_model *to, const pith_model *from);
+/* The shells after all cuts, and for each its state, which the caller frees. displaced: `moved` has its skin. */
+pith_status model_shells(pith_model *model, bool displaced, const cut_shells **shells, const moved_shells **moved,
+                         piece_state **states, pith_error *err);
+/* pith_model_pieces, without making the model keep its levels. */
+pith_status model_pieces(pith_model *model, bool displaced, const pith_model_piece **pieces, size_t *count,
+                         pith_error *err);
+/* Keys of the shells after all cuts, and of those moved by their solids. */
+uint64_t model_shells_key(const pith_model *model);
+uint64_t model_moved_key(const pith_model *model);
+/* Forgets what the cuts made, but not the levels. */
 void model_drop_items(pith_model *model);
 
 #endif

@@ -6,13 +6,6 @@
 
 /* ---- holdings ------------------------------------------------------------------------------------------------------ */
 
-struct holding {
-    int holders;            /* changed atomically */
-    void *what;
-    void (*destroy)(void *what);
-    holding *on;
-};
-
 pith_status holding_new(void *what, void (*destroy)(void *what), holding *on, holding **made, pith_error *err)
 {
     holding *held = pith_alloc(1, sizeof *held);
@@ -218,6 +211,7 @@ void pith_model_share(pith_model *to, const pith_model *from)
     }
     const pith_model *like = to->body ? counterpart(to, from) : NULL;
     if (like) share_body(to, like);
+    model_share_cuts(to, from);
 }
 
 pith_model_state pith_model_built(const pith_model *model)
