@@ -37,18 +37,22 @@ static pith_status add_shell(const pith_shell_view *shell, const pith_shell *fro
     return status;
 }
 
-pith_status pack_view(pith_model *model, const pack_stamp *stamp, packet **made, pith_error *err)
+pith_status pack_view(pith_model *model, const pith_document *document, const pack_stamp *stamp, packet **made,
+                      pith_error *err)
 {
     const double start = pith_seconds();
-    const pith_render_item *items;
+    const pith_model_piece *items;
     size_t count, vertices = 0, triangles = 0;
-    PITH_TRY(pith_model_items(model, &items, &count, err));
+    PITH_TRY(pith_model_pieces(model, false, &items, &count, err));
     const double cut = pith_seconds() - start;
     packet_maker *maker = packet_begin("view");
     json_t *text = packet_text(maker), *parts = json_array();
     for (size_t i = 0; i < count; ++i) {
         const pith_shell_view shell = pith_shell_look(items[i].shell);
-        json_array_append_new(parts, json_pack("{s[fff] s[II] s[II]}", "offset", items[i].offset.x, items[i].offset.y,
+        json_array_append_new(parts, json_pack("{ss s[fff] s[fff] s[II] s[II]}", "body",
+                                               pith_document_body_name(document, items[i].body),
+                                               "inside", items[i].inside.x, items[i].inside.y, items[i].inside.z,
+                                               "offset", items[i].offset.x, items[i].offset.y,
                                                items[i].offset.z, "triangles", (json_int_t)triangles,
                                                (json_int_t)shell.triangle_count, "vertices", (json_int_t)vertices,
                                                (json_int_t)shell.vertex_count));

@@ -187,7 +187,8 @@ static pith_status refresh_view(viewer *own, pith_error *err)
     own->view_changed = false; /* also after a failure: the same cut would fail the same way */
     const pack_stamp mark = stamp(own);
     packet *made = NULL;
-    PITH_TRY(pack_view((own->cut ? own->cut : own->base)->model, &mark, &made, err));
+    const built_model *shown = own->cut ? own->cut : own->base;
+    PITH_TRY(pack_view(shown->model, shown->held->document, &mark, &made, err));
     send(own, made, &own->view_packet, "view", "");
     return PITH_OK;
 }
