@@ -42,6 +42,9 @@ pith_status pith_document_schema(char **text, pith_error *err);     /* the JSON 
 pith_status pith_document_keys(char **text, pith_error *err);
 /** Every parameter table that a document can set, NULL-terminated. */
 const pith_params *const *pith_document_tables(void);
+/** The fields that a body needs for a lapped solid of a texture type (pith_texture_type). */
+typedef struct pith_type_fields { bool depth, direction, vectors, scale; } pith_type_fields;
+pith_type_fields pith_document_type_fields(uint32_t type);
 
 /** Names of the bodies; a document without "bodies" is one body called "". */
 size_t pith_document_bodies(const pith_document *document);

@@ -47,6 +47,16 @@ static const argument of_picture[] = {
     NO_MORE,
 };
 
+static const char *const file_words[] = { "recipe", "mesh", "grid", "image", "document", NULL };
+static const argument of_files[] = {
+    { "kind", ARGUMENT_TEXT, true, 0, 0, file_words },
+    NO_MORE,
+};
+static const argument of_file_put[] = {
+    { "name", ARGUMENT_TEXT, true, 0, 0, NULL },
+    NO_MORE,
+};
+
 const verb editor_verbs[] = {
     { "hello", false, none, false, do_hello },
     { "apply", false, of_apply, false, do_apply },
@@ -57,6 +67,8 @@ const verb editor_verbs[] = {
     { "update", false, of_update, false, do_update },
     { "cancel", false, of_cancel, false, do_cancel },
     { "automatic", false, of_automatic, false, do_automatic },
+    { "files", false, of_files, false, do_files },
+    { "file.put", true, of_file_put, false, do_file_put },
     { "picture", false, of_picture, true, do_picture },
     { NULL, false, NULL, false, NULL },
 };
@@ -106,6 +118,11 @@ void editor_message(editor *own, uint32_t socket, bool binary, const unsigned ch
 }
 
 /* ---- life ---------------------------------------------------------------------------------------------------------- */
+
+file_places editor_places(const editor *own)
+{
+    return (file_places){ session_folder(own->opened), own->examples };
+}
 
 /* From the threads of the editor. */
 static void something_came_up(void *user)

@@ -7,6 +7,7 @@
 #define PITH_SERVER_EDITOR_H
 
 #include "builder.h"
+#include "files.h"
 #include "outbox.h"
 #include "request.h"
 #include "session.h"
@@ -44,6 +45,9 @@ void editor_woken(editor *own);
 void editor_message(editor *own, uint32_t socket, bool binary, const unsigned char *bytes, size_t size,
                     void (*admit)(void *user, uint32_t socket), void *user);
 
+/* Where pages may reach; borrowed from the editor. */
+file_places editor_places(const editor *own);
+
 /* The table of all verbs; the last has no name. */
 extern const verb editor_verbs[];
 
@@ -68,6 +72,11 @@ void build_document_changed(editor *own);
 void build_look(editor *own);
 /* The list "bodies" of events, as far as is known; a new reference. */
 json_t *build_bodies(const editor *own);
+
+/* ---- files: requests_files.c ----------------------------------------------------------------------------------------- */
+
+pith_status do_files(editor *own, request *asked, pith_error *err);
+pith_status do_file_put(editor *own, request *asked, pith_error *err);
 
 /* ---- pictures: requests_picture.c ------------------------------------------------------------------------------------ */
 

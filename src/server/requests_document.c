@@ -29,6 +29,20 @@ static void describe(const editor *own, json_t *to)
     json_object_set_new(to, "bodies", build_bodies(own));
 }
 
+/* What each texture type needs of a body. */
+static json_t *types(void)
+{
+    const pith_param *type = pith_params_find(&pith_lapped_params, "type");
+    json_t *all = json_object();
+    for (uint32_t i = 0; type->choices[i]; ++i) {
+        const pith_type_fields needs = pith_document_type_fields(i);
+        json_object_set_new(all, type->choices[i], json_pack("{sb sb sb sb}", "depth", needs.depth, "direction",
+                                                             needs.direction, "vectors", needs.vectors, "scale",
+                                                             needs.scale));
+    }
+    return all;
+}
+
 static void tell_document(editor *own, uint32_t by)
 {
     packet *made = NULL;
@@ -49,6 +63,7 @@ pith_status do_hello(editor *own, request *asked, pith_error *err)
     json_object_set_new(to, "note", json_string(session_note(own->opened)));
     json_object_set_new(to, "socket", json_integer(asked->socket));
     json_object_set_new(to, "schema", json_loads(schema, 0, NULL));
+    json_object_set_new(to, "types", types());
     describe(own, to);
     pith_free(schema);
     viewer_hello(own->view, asked->socket);
@@ -77,7 +92,10 @@ static void changed(editor *own, request *asked)
 pith_status do_apply(editor *own, request *asked, pith_error *err)
 {
     PITH_TRY(check_revision(own, asked, err));
-    char *operations = json_dumps(json_object_get(asked->body, "operations"), JSON_COMPACT);
+    const json_t *wanted = json_object_get(asked->body, "operations");
+    const file_places places = editor_places(own);
+    PITH_TRY(files_check(&places, wanted, session_present(own->opened)->root, err));
+    char *operations = json_dumps(wanted, JSON_COMPACT);
     if (!operations) return PITH_OUT_OF_MEMORY(err, "operations");
     const pith_status status = session_apply(own->opened, request_text(asked, "name", ""), operations,
                                              strlen(operations), NULL, own, err);
@@ -112,15 +130,28 @@ pith_status do_revert(editor *own, request *asked, pith_error *err)
 
 /* ---- saving -------------------------------------------------------------------------------------------------------- */
 
+/* A copy elsewhere; the session goes on with the file it came from. */
+static pith_status save_copy(editor *own, request *asked, const char *file, pith_error *err)
+{
+    char path[4096];
+    const file_places places = editor_places(own);
+    PITH_TRY(files_place(&places, file, request_switch(asked, "force", false), path, sizeof path, err));
+    PITH_TRY(session_save_copy(own->opened, path, err));
+    json_object_set_new(asked->answer, "file", json_string(file));
+    return PITH_OK;
+}
+
 pith_status do_save(editor *own, request *asked, pith_error *err)
 {
+    const char *file = request_text(asked, "file", session_file(own->opened));
+    if (strcmp(file, session_file(own->opened)) != 0) return save_copy(own, asked, file, err);
     if (!request_switch(asked, "force", false) && !session_disk_is_known(own->opened)) {
         asked->refusal = "changed on disk";
         return pith_fail(err, PITH_IO, "%s was changed or removed by somebody else since it was read; save with force "
-                         "to replace it, or revert to it", session_file(own->opened));
+                         "to replace it, or revert to it", file);
     }
     PITH_TRY(session_save(own->opened, err));
-    json_object_set_new(asked->answer, "file", json_string(session_file(own->opened)));
+    json_object_set_new(asked->answer, "file", json_string(file));
     tell_document(own, asked->socket);
     return PITH_OK;
 }
