@@ -14,15 +14,14 @@ typedef struct pack_stamp {
     json_int_t id;              /* of the request it answers; 0: none, "id" is left out */
 } pack_stamp;
 
-/* `mesh` of one body; name is the body's, "" where the document has only one. paint_only: without positions and
-   triangles. O(triangles). */
-pith_status pack_mesh(pith_model *body, const char *name, bool paint_only, const pack_stamp *stamp, packet **made,
-                      pith_error *err);
+/* `mesh` of one body; index and name are the body's, name "" where the document has only one. paint_only: without
+   positions and triangles. O(triangles). */
+pith_status pack_mesh(pith_model *body, size_t index, const char *name, bool paint_only, const pack_stamp *stamp,
+                      packet **made, pith_error *err);
 /* `solid` of one body. */
-pith_status pack_solid(pith_model *body, const char *name, const pack_stamp *stamp, packet **made, pith_error *err);
-/* `view` of the whole model, cut as it is now; bodies whose solid is not built come without layers. document: whose model it
-   is, for the names of its bodies. */
-pith_status pack_view(pith_model *model, const pith_document *document, const pack_stamp *stamp, packet **made,
-                      pith_error *err);
+pith_status pack_solid(pith_model *body, size_t index, const char *name, const pack_stamp *stamp, packet **made,
+                       pith_error *err);
+/* `view` of the whole model, cut as it is now; bodies whose solid is not built come without layers. */
+pith_status pack_view(pith_model *model, const pack_stamp *stamp, packet **made, pith_error *err);
 
 #endif

@@ -3,7 +3,7 @@
 
 static json_t *point_json(pith_vec3 p) { return json_pack("[fff]", p.x, p.y, p.z); }
 
-pith_status pack_mesh(pith_model *body, const char *name, bool paint_only, const pack_stamp *stamp, packet **made,
+pith_status pack_mesh(pith_model *body, size_t index, const char *name, bool paint_only, const pack_stamp *stamp, packet **made,
                       pith_error *err)
 {
     const pith_mesh *mesh;
@@ -12,7 +12,8 @@ pith_status pack_mesh(pith_model *body, const char *name, bool paint_only, const
     const pith_mesh_view view = pith_mesh_look(mesh);
     packet_maker *maker = packet_begin("mesh");
     json_t *text = packet_text(maker);
-    json_object_set_new(text, "body", json_string(name));
+    json_object_set_new(text, "body", json_integer((json_int_t)index));
+    json_object_set_new(text, "name", json_string(name));
     json_object_set_new(text, "serial", json_integer((json_int_t)stamp->serial));
     json_object_set_new(text, "closed", json_boolean(report->closed));
     json_object_set_new(text, "box", json_pack("[oo]", point_json(report->box.low), point_json(report->box.high)));

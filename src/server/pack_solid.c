@@ -5,7 +5,7 @@ enum { LONGEST = 64 };
 
 static unsigned char to_byte(float value) { return (unsigned char)(fminf(fmaxf(value, 0.0f), 1.0f) * 255.0f + 0.5f); }
 
-pith_status pack_solid(pith_model *body, const char *name, const pack_stamp *stamp, packet **made, pith_error *err)
+pith_status pack_solid(pith_model *body, size_t index, const char *name, const pack_stamp *stamp, packet **made, pith_error *err)
 {
     const pith_solid *solid;
     const pith_tets *tets;
@@ -18,7 +18,8 @@ pith_status pack_solid(pith_model *body, const char *name, const pack_stamp *sta
     const size_t count = (size_t)grid->size[0] * grid->size[1] * grid->size[2];
     packet_maker *maker = packet_begin("solid");
     json_t *text = packet_text(maker);
-    json_object_set_new(text, "body", json_string(name));
+    json_object_set_new(text, "body", json_integer((json_int_t)index));
+    json_object_set_new(text, "name", json_string(name));
     json_object_set_new(text, "serial", json_integer((json_int_t)stamp->serial));
     json_object_set_new(text, "type", json_string("grid"));
     json_object_set_new(text, "size", json_pack("[iii]", grid->size[0], grid->size[1], grid->size[2]));

@@ -37,8 +37,7 @@ static pith_status add_shell(const pith_shell_view *shell, const pith_shell *fro
     return status;
 }
 
-pith_status pack_view(pith_model *model, const pith_document *document, const pack_stamp *stamp, packet **made,
-                      pith_error *err)
+pith_status pack_view(pith_model *model, const pack_stamp *stamp, packet **made, pith_error *err)
 {
     const double start = pith_seconds();
     const pith_model_piece *items;
@@ -49,8 +48,7 @@ pith_status pack_view(pith_model *model, const pith_document *document, const pa
     json_t *text = packet_text(maker), *parts = json_array();
     for (size_t i = 0; i < count; ++i) {
         const pith_shell_view shell = pith_shell_look(items[i].shell);
-        json_array_append_new(parts, json_pack("{ss s[fff] s[fff] s[II] s[II]}", "body",
-                                               pith_document_body_name(document, items[i].body),
+        json_array_append_new(parts, json_pack("{si s[fff] s[fff] s[II] s[II]}", "body", (int)items[i].body,
                                                "inside", items[i].inside.x, items[i].inside.y, items[i].inside.z,
                                                "offset", items[i].offset.x, items[i].offset.y,
                                                items[i].offset.z, "triangles", (json_int_t)triangles,

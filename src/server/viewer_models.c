@@ -146,10 +146,10 @@ static pith_status refresh_mesh(viewer *own, pith_model *body, size_t index, con
     const bool paint_only = mesh == sent->mesh;
     const pack_stamp whole = stamp(own);
     packet *made = NULL;
-    PITH_TRY(pack_mesh(body, name, false, &whole, &made, err));
+    PITH_TRY(pack_mesh(body, index, name, false, &whole, &made, err));
     if (paint_only) {
         packet *painted = NULL;
-        const pith_status status = pack_mesh(body, name, true, &whole, &painted, err);
+        const pith_status status = pack_mesh(body, index, name, true, &whole, &painted, err);
         if (status != PITH_OK) {
             packet_release(made);
             return status;
@@ -175,7 +175,7 @@ static pith_status refresh_solid(viewer *own, pith_model *body, size_t index, co
     if (solid == sent->solid) return PITH_OK;
     const pack_stamp mark = stamp(own);
     packet *made = NULL;
-    PITH_TRY(pack_solid(body, name, &mark, &made, err));
+    PITH_TRY(pack_solid(body, index, name, &mark, &made, err));
     send(own, made, &sent->solid_packet, "solid", name);
     sent->solid = solid;
     return PITH_OK;
@@ -187,8 +187,7 @@ static pith_status refresh_view(viewer *own, pith_error *err)
     own->view_changed = false; /* also after a failure: the same cut would fail the same way */
     const pack_stamp mark = stamp(own);
     packet *made = NULL;
-    const built_model *shown = own->cut ? own->cut : own->base;
-    PITH_TRY(pack_view(shown->model, shown->held->document, &mark, &made, err));
+    PITH_TRY(pack_view((own->cut ? own->cut : own->base)->model, &mark, &made, err));
     send(own, made, &own->view_packet, "view", "");
     return PITH_OK;
 }
