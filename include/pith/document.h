@@ -32,6 +32,11 @@ pith_status pith_document_save(const pith_document *document, const char *path, 
 void pith_document_destroy(pith_document *document);
 /** The title, or "". */
 const char *pith_document_title(const pith_document *document);
+/** Every file the document names, recipes and the photographs they name included: paths as the document resolves them,
+ *  relative to itself or, in a recipe, to the recipe; each once, in the order of the grammar. files: [count], in one block
+ *  with the texts; caller frees it with pith_free. Reads the recipes: PITH_IO or PITH_BAD_DOCUMENT when one has gone bad
+ *  since the document was checked. */
+pith_status pith_document_files(const pith_document *document, char ***files, size_t *count, pith_error *err);
 /** Number and names of the solids, in the document's order. */
 size_t pith_document_solids(const pith_document *document);
 const char *pith_document_solid_name(const pith_document *document, size_t index);

@@ -135,6 +135,7 @@ typedef struct cut_soup {
     cut_triangle *items;
     size_t count, capacity;
 } cut_soup;
+pith_status cut_soup_reserve(cut_soup *soup, size_t count, pith_error *err);
 pith_status cut_soup_add(cut_soup *soup, const cut_triangle *triangle, pith_error *err);
 
 /* Gives every used code a vertex, in order of first use. codes: how many codes there are. The march may be NULL, then

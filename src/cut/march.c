@@ -425,6 +425,8 @@ pith_status pith_part_cut(const pith_part *part, const double *values, pith_shel
     const bool wanted[CUT_SIDES] = { negative != NULL, positive != NULL };
     cut_soup soup[CUT_SIDES] = { { 0 }, { 0 } };
     pith_shell *shells[CUT_SIDES] = { NULL, NULL };
+    for (unsigned side = 0; side < CUT_SIDES; ++side) /* few shells have more triangles than that */
+        if (wanted[side]) PITH_TRY_OR(done, cut_soup_reserve(&soup[side], march.active_count, err));
     for (uint32_t i = 0; i < march.active_count; ++i)
         PITH_TRY_OR(done, add_tet(&march, march.active[i], wanted, soup, err));
     for (uint32_t i = 0; i < march.zero_face_count; ++i)

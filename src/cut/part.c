@@ -174,11 +174,15 @@ pith_shell_view pith_shell_look(const pith_shell *shell)
                               shell->source_tet, shell->kinds, shell->vertex_count, shell->triangle_count };
 }
 
+pith_status cut_soup_reserve(cut_soup *soup, size_t count, pith_error *err)
+{
+    return pith_grow((void **)&soup->items, &soup->capacity, count, sizeof *soup->items)
+               ? PITH_OK : PITH_OUT_OF_MEMORY(err, "a shell's triangles");
+}
+
 pith_status cut_soup_add(cut_soup *soup, const cut_triangle *triangle, pith_error *err)
 {
-    if (soup->count == soup->capacity &&
-        !pith_grow((void **)&soup->items, &soup->capacity, soup->count + 1, sizeof *soup->items))
-        return PITH_OUT_OF_MEMORY(err, "a shell's triangles");
+    if (soup->count == soup->capacity) PITH_TRY(cut_soup_reserve(soup, soup->count + 1, err));
     soup->items[soup->count++] = *triangle;
     return PITH_OK;
 }
@@ -255,6 +259,10 @@ pith_status pith_part_shell(const pith_part *part, pith_shell **shell, pith_erro
         return pith_fail(err, PITH_BAD_ARGUMENT, "pith_part_shell: %s is NULL", part ? "shell" : "part");
     pith_status status = PITH_OK;
     cut_soup soup = { 0 };
+    size_t outer = 0;
+    for (uint32_t t = 0; t < part->tet_count; ++t)
+        for (unsigned k = 0; part->faces[t] && k < 4; ++k) outer += cut_face_code(part->faces[t], k) != 0;
+    PITH_TRY_OR(done, cut_soup_reserve(&soup, outer, err));
     for (uint32_t t = 0; t < part->tet_count; ++t) {
         for (unsigned k = 0; part->faces[t] && k < 4; ++k) {
             const unsigned code = cut_face_code(part->faces[t], k);

@@ -10,6 +10,8 @@
    thin as rounding stay in place, and everything stays closed through any number of splits. */
 #include "cut_internal.h"
 
+#include <string.h>
+
 /* The faces of a cell, outward, and what each is: a face code (0 inner, 1 + pith_face_kind). */
 typedef struct cell {
     cut_polygon faces[5];
@@ -17,7 +19,8 @@ typedef struct cell {
     unsigned count;
 } cell;
 
-typedef struct piece { uint32_t v[4]; uint32_t source_tet; uint8_t faces; } piece;
+/* A tet made from part of a crossed one. */
+typedef struct piece { uint32_t v[4]; uint32_t tet; uint8_t faces; } piece;
 typedef struct pieces {
     piece *items;
     size_t count, capacity;
@@ -56,7 +59,7 @@ static uint32_t lowest_place(const cut_polygon *polygon)
     return at;
 }
 
-static pith_status cone_cell(const cell *c, uint32_t source, pieces *list, pith_error *err)
+static pith_status cone_cell(const cell *c, uint32_t tet, pieces *list, pith_error *err)
 {
     uint32_t apex = PITH_NONE;
     for (unsigned i = 0; i < c->count; ++i)
@@ -67,7 +70,7 @@ static pith_status cone_cell(const cell *c, uint32_t source, pieces *list, pith_
         if (has_vertex(face, apex)) continue;
         const uint32_t first = lowest_place(face), n = face->count;
         for (uint32_t j = 1; j + 1 < n; ++j) {
-            piece p = { { apex, face->v[first], face->v[(first + j) % n], face->v[(first + j + 1) % n] }, source, 0 };
+            piece p = { { apex, face->v[first], face->v[(first + j) % n], face->v[(first + j + 1) % n] }, tet, 0 };
             for (unsigned k = 0; k < 4; ++k) {
                 const uint8_t *f = cut_face_corners[k];
                 p.faces |= cut_face_bits(code_of(c, p.v[f[0]], p.v[f[1]], p.v[f[2]]), k);
@@ -97,20 +100,15 @@ static pith_status side_cell(cut_march *march, uint32_t tet, unsigned side, cons
     return PITH_OK;
 }
 
-/* All tets of both sides under vertex codes, in the order of the tets they come from; at: [tet_count] where the piece
-   of a tet that stays whole is. */
-static pith_status divide(cut_march *march, pieces sides[CUT_SIDES], uint32_t *at, pith_error *err)
+/* The pieces of the crossed tets of both sides under vertex codes, in the order of those tets; whole: how many tets of
+   either side stay as they are. */
+static pith_status divide(cut_march *march, pieces sides[CUT_SIDES], uint32_t whole[CUT_SIDES], pith_error *err)
 {
-    const pith_part *part = march->part;
-    for (uint32_t t = 0; t < part->tet_count; ++t) {
-        const uint32_t *v = part->tets[t], source = part->source_tet[t];
+    for (uint32_t t = 0; t < march->part->tet_count; ++t) {
         cut_sign s[4];
         cut_tet_signs(march, t, s);
         if (!cut_crossed(s)) {
-            const piece whole = { { v[0], v[1], v[2], v[3] }, source, part->faces[t] };
-            pieces *side = &sides[cut_side(s)];
-            at[t] = (uint32_t)side->count;
-            PITH_TRY(add_piece(side, &whole, err));
+            ++whole[cut_side(s)];
             continue;
         }
         cut_polygon section;
@@ -118,53 +116,90 @@ static pith_status divide(cut_march *march, pieces sides[CUT_SIDES], uint32_t *a
         for (unsigned side = 0; side < CUT_SIDES; ++side) {
             cell c;
             PITH_TRY(side_cell(march, t, side, &section, &c, err));
-            PITH_TRY(cone_cell(&c, source, &sides[side], err));
+            PITH_TRY(cone_cell(&c, t, &sides[side], err));
         }
     }
     return PITH_OK;
 }
 
-/* Faces in the zero set between two whole tets become section on both sides. */
-static void mark_zero_faces(const cut_march *march, const uint32_t *at, pieces sides[CUT_SIDES])
+/* Faces in the zero set between two whole tets become section on both sides: the face bits they add to each tet. NULL
+   when there are none. */
+static pith_status gather_zero_bits(const cut_march *march, uint8_t **bits, pith_error *err)
 {
-    for (uint32_t i = 0; i < march->zero_face_count; ++i)
-        for (unsigned side = 0; side < CUT_SIDES; ++side) {
-            const cut_zero_face *face = &march->zero_faces[i];
-            sides[side].items[at[face->tet[side]]].faces |= cut_face_bits(1 + PITH_SECTION, face->corner[side]);
-        }
+    if (march->zero_face_count == 0) return PITH_OK;
+    *bits = pith_alloc(march->part->tet_count, sizeof **bits);
+    if (!*bits) return PITH_OUT_OF_MEMORY(err, "faces in the cut");
+    for (uint32_t i = 0; i < march->zero_face_count; ++i) {
+        const cut_zero_face *face = &march->zero_faces[i];
+        for (unsigned side = 0; side < CUT_SIDES; ++side)
+            (*bits)[face->tet[side]] |= cut_face_bits(1 + PITH_SECTION, face->corner[side]);
+    }
+    return PITH_OK;
 }
 
-/* A part of its own from one side's pieces, its vertices in the order of their codes. */
-static pith_status make_part(const cut_march *march, const pieces *list, pith_part **part, pith_error *err)
+/* The tets of one side under vertex codes, in the order of the tets they come from; zero_bits may be NULL. */
+static void gather_tets(const cut_march *march, unsigned side, const pieces *list, const uint8_t *zero_bits, pith_part *p)
 {
-    if (list->count >= PITH_NONE)
-        return pith_fail(err, PITH_BAD_ARGUMENT, "the split part would have %zu tets; indices end at %u", list->count,
-                         (unsigned)PITH_NONE);
-    pith_status status = PITH_OK;
-    const size_t codes = (size_t)march->part->vertex_count + march->edges.count;
-    uint32_t *number = pith_alloc(codes, sizeof *number);
-    if (!number) {
-        status = PITH_OUT_OF_MEMORY(err, "numbering a split part's vertices");
-        goto done;
+    const pith_part *from = march->part;
+    uint32_t count = 0;
+    size_t next = 0;
+    for (uint32_t t = 0; t < from->tet_count; ++t) {
+        cut_sign s[4];
+        cut_tet_signs(march, t, s);
+        if (!cut_crossed(s)) {
+            if (cut_side(s) != side) continue;
+            memcpy(p->tets[count], from->tets[t], sizeof p->tets[count]);
+            p->source_tet[count] = from->source_tet[t];
+            p->faces[count++] = from->faces[t] | (zero_bits ? zero_bits[t] : 0);
+            continue;
+        }
+        for (; next < list->count && list->items[next].tet == t; ++next) {
+            memcpy(p->tets[count], list->items[next].v, sizeof p->tets[count]);
+            p->source_tet[count] = from->source_tet[t];
+            p->faces[count++] = list->items[next].faces;
+        }
+    }
+}
+
+/* Marks the codes that one side's tets use, and numbers them in order from 1; returns how many there are. */
+static uint32_t number_codes(const cut_march *march, unsigned side, const pieces *list, uint32_t *number, size_t codes)
+{
+    for (uint32_t t = 0; t < march->part->tet_count; ++t) {
+        cut_sign s[4];
+        cut_tet_signs(march, t, s);
+        if (cut_crossed(s) || cut_side(s) != side) continue;
+        for (int k = 0; k < 4; ++k) number[march->part->tets[t][k]] = 1;
     }
     for (size_t i = 0; i < list->count; ++i)
         for (int k = 0; k < 4; ++k) number[list->items[i].v[k]] = 1;
-    uint32_t vertex_count = 0;
+    uint32_t count = 0;
     for (size_t i = 0; i < codes; ++i)
-        if (number[i]) number[i] = ++vertex_count;
+        if (number[i]) number[i] = ++count;
+    return count;
+}
 
-    pith_part *p;
-    PITH_TRY_OR(done, cut_part_new(march->part->origin, vertex_count, (uint32_t)list->count, &p, err));
-    for (size_t i = 0; i < codes; ++i)
-        if (number[i])
-            cut_march_vertex(march, (uint32_t)i, &p->positions[number[i] - 1], &p->material[number[i] - 1]);
-    for (size_t i = 0; i < list->count; ++i) {
-        for (int k = 0; k < 4; ++k) p->tets[i][k] = number[list->items[i].v[k]] - 1;
-        p->source_tet[i] = list->items[i].source_tet;
-        p->faces[i] = list->items[i].faces;
+/* A part of its own from one side's whole tets and pieces, its vertices in the order of their codes. */
+static pith_status make_part(const cut_march *march, unsigned side, const pieces *list, uint32_t whole,
+                             const uint8_t *zero_bits, pith_part **part, pith_error *err)
+{
+    if (list->count + whole >= PITH_NONE)
+        return pith_fail(err, PITH_BAD_ARGUMENT, "the split part would have %zu tets; indices end at %u",
+                         list->count + whole, (unsigned)PITH_NONE);
+    const size_t codes = (size_t)march->part->vertex_count + march->edges.count;
+    uint32_t *number = pith_alloc(codes, sizeof *number);
+    if (!number) return PITH_OUT_OF_MEMORY(err, "numbering a split part's vertices");
+    const uint32_t vertex_count = number_codes(march, side, list, number, codes);
+    pith_part *p = NULL;
+    const pith_status status = cut_part_new(march->part->origin, vertex_count, (uint32_t)list->count + whole, &p, err);
+    if (status == PITH_OK) {
+        gather_tets(march, side, list, zero_bits, p);
+        for (uint32_t t = 0; t < p->tet_count; ++t)
+            for (int k = 0; k < 4; ++k) p->tets[t][k] = number[p->tets[t][k]] - 1;
+        for (size_t i = 0; i < codes; ++i)
+            if (number[i])
+                cut_march_vertex(march, (uint32_t)i, &p->positions[number[i] - 1], &p->material[number[i] - 1]);
+        *part = p;
     }
-    *part = p;
-done:
     pith_free(number);
     return status;
 }
@@ -181,15 +216,13 @@ pith_status pith_part_split(const pith_part *part, const double *values, pith_pa
     pieces sides[CUT_SIDES] = { { 0 }, { 0 } };
     pith_part *parts[CUT_SIDES] = { NULL, NULL };
     pith_part **const outs[CUT_SIDES] = { negative, positive };
-    uint32_t *at = pith_alloc(part->tet_count, sizeof *at);
-    if (!at) {
-        status = PITH_OUT_OF_MEMORY(err, "tets that stay whole");
-        goto done;
-    }
-    PITH_TRY_OR(done, divide(&march, sides, at, err));
-    mark_zero_faces(&march, at, sides);
+    uint32_t whole[CUT_SIDES] = { 0, 0 };
+    uint8_t *zero_bits = NULL;
+    PITH_TRY_OR(done, divide(&march, sides, whole, err));
+    PITH_TRY_OR(done, gather_zero_bits(&march, &zero_bits, err));
     for (unsigned side = 0; side < CUT_SIDES; ++side)
-        if (outs[side]) PITH_TRY_OR(done, make_part(&march, &sides[side], &parts[side], err));
+        if (outs[side])
+            PITH_TRY_OR(done, make_part(&march, side, &sides[side], whole[side], zero_bits, &parts[side], err));
 
 done:
     for (unsigned side = 0; side < CUT_SIDES; ++side) {
@@ -197,7 +230,7 @@ done:
         else if (outs[side]) *outs[side] = parts[side];
         pith_free(sides[side].items);
     }
-    pith_free(at);
+    pith_free(zero_bits);
     cut_march_end(&march);
     return status;
 }

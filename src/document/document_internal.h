@@ -98,6 +98,8 @@ typedef struct document_operation {
 } document_operation;
 extern const document_operation document_operations[]; /* the last has no name */
 
+/* The grammar that a checked entry of a list of kinds follows. */
+const grammar *grammar_of_kind(const grammar *kinds, const json_t *entry);
 /* The object with its keys in the grammar's order; a new reference or NULL (no memory). */
 json_t *grammar_order(const json_t *object, const grammar *rules);
 

@@ -117,16 +117,19 @@ void text_add_json(text_buffer *buffer, const json_t *value, int indent)
 
 /* ---- the grammar's order ----------------------------------------------------------------------------------------------- */
 
+const grammar *grammar_of_kind(const grammar *kinds, const json_t *entry)
+{
+    const char *kind = json_string_value(json_object_get(entry, "kind"));
+    while (kinds->name && strcmp(kinds->name, kind) != 0) ++kinds;
+    return kinds;
+}
+
 static json_t *order_list(const json_t *list, const grammar *rules, bool kinds)
 {
     json_t *ordered = json_array();
     for (size_t i = 0; ordered && i < json_array_size(list); ++i) {
         const json_t *entry = json_array_get(list, i);
-        const grammar *inner = rules;
-        if (kinds) {
-            const char *kind = json_string_value(json_object_get(entry, "kind"));
-            while (inner->name && strcmp(inner->name, kind) != 0) ++inner;
-        }
+        const grammar *inner = kinds ? grammar_of_kind(rules, entry) : rules;
         if (json_array_append_new(ordered, grammar_order(entry, inner)) != 0) {
             json_decref(ordered);
             return NULL;
