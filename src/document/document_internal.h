@@ -309,10 +309,10 @@ pith_status exemplar_pack(const pith_grid *exemplar, byte_writer *out, pith_erro
 pith_status exemplar_unpack(byte_reader *in, pith_grid **exemplar, pith_error *err);
 
 /* Keys of the stages: hashes of everything the stage depends on, the contents of files included. vectors: of the
-   directions at the tets' vertices, voxels: of the field they are taken from; patches: of a fill, solid: of what the
+   directions at the tets' vertices, voxels: of the field they are taken from; painted: of faces; patches: of a fill, solid: of what the
    body is made of in the end. */
 typedef struct stage_keys {
-    uint64_t mesh, tets, depth, fields, voxels, vectors, scale, exemplar, patches, solid;
+    uint64_t mesh, painted, tets, depth, fields, voxels, vectors, scale, exemplar, patches, solid;
 } stage_keys;
 pith_status stage_keys_of(const document_body *body, stage_keys *keys, pith_error *err);
 /* The key of the exemplar of a paste. */

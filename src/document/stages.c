@@ -263,6 +263,7 @@ pith_status stage_keys_of(const document_body *body, stage_keys *keys, pith_erro
     const uint64_t start = pith_mix64(STAGE_VERSION);
     made.mesh = made.exemplar = made.patches = start;
     PITH_TRY(hash_form(body, &made.mesh, err));
+    made.painted = hash_constraints(body, made.mesh);
     made.tets = hash_tets(body, made.mesh);
     made.voxels = hash_vectors(&body->vectors, made.mesh);
     made.depth = hash_constraints(body, made.tets);
