@@ -317,6 +317,8 @@ typedef struct stage_keys {
 pith_status stage_keys_of(const document_body *body, stage_keys *keys, pith_error *err);
 /* The key of the exemplar of a paste. */
 pith_status stage_key_of_exemplar(const document_exemplar *exemplar, uint64_t *key, pith_error *err);
+/* Hash of a file's contents, chained onto *hash; from memory when the file has not been touched since it was last read. */
+pith_status hash_file(const char *path, uint64_t *hash, pith_error *err);
 /* Hash of every option of the table, by name, chained onto seed. */
 uint64_t hash_options(const pith_params *table, const void *options, uint64_t seed);
 

@@ -144,16 +144,6 @@ uint64_t hash_options(const pith_params *table, const void *options, uint64_t se
     return hash;
 }
 
-static pith_status hash_file(const char *path, uint64_t *hash, pith_error *err)
-{
-    unsigned char *bytes;
-    size_t size;
-    PITH_TRY(pith_file_read(path, &bytes, &size, err));
-    *hash = pith_hash_bytes(bytes, size, *hash);
-    pith_free(bytes);
-    return PITH_OK;
-}
-
 static uint64_t hash_constraints(const document_body *body, uint64_t hash)
 {
     for (size_t i = 0; i < body->constraint_count; ++i) {
