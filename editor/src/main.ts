@@ -3,13 +3,20 @@
 import { Actions } from './actions';
 import { Timing, type App } from './app';
 import { Connection } from './connection';
+import { Model } from './model';
 import { buildPage } from './panels/page';
 import type { DocumentEvent, Hello, JobEvent } from './protocol';
 import { Store } from './store';
+import { installFieldView } from './fieldview';
 import { cutTool } from './tools/cut';
+import { depthTool, directionTool, pointsTool } from './tools/draw';
+import { installMarks } from './tools/marks';
+import { faceTool, fillTool } from './tools/paint';
+import { pasteTool, scaleTool } from './tools/place';
 import { planeTool } from './tools/plane';
 import { selectTool } from './tools/select';
 import { Toolbox } from './tools/toolbox';
+import { Messages } from './ui/dialog';
 import { Viewport } from './view/viewport';
 
 const token = location.hash.slice(1);
@@ -22,7 +29,7 @@ const calm = matchMedia('(prefers-reduced-motion: reduce)');
 
 let together = 1, moving = 0;
 const app: App = {
-  store, connection, actions, viewport, toolbox, timing: new Timing(),
+  store, connection, actions, viewport, toolbox, model: new Model(connection), messages: new Messages(), timing: new Timing(),
   assemble(on) {
     const from = together, to = on ? 0 : 1, start = performance.now();
     cancelAnimationFrame(moving);
@@ -68,6 +75,7 @@ connection.onEvent = (event) => {
 };
 connection.onPacket = (packet) => {
   if (packet.kind === 'view') app.timing.view(packet.bytes, packet.head.seconds ?? {});
+  app.model.take(packet);
   if (viewport.take(packet)) store.set({ serial: store.state.serial + 1 });
 };
 viewport.onDraw.push(() => app.timing.drawn());
@@ -81,7 +89,10 @@ store.on(['part'], () => viewport.pick(store.state.part));
 store.on(['mode'], () => viewport.look({ mode: { solid: 0, volume: 0, depth: 1, shape: 2 }[store.state.mode] }));
 store.on(['isolines'], () => viewport.look({ isolines: store.state.isolines }));
 
-toolbox.add(selectTool(app), cutTool(app), planeTool(app));
+toolbox.add(selectTool(app), cutTool(app), planeTool(app), fillTool(app), faceTool(app), depthTool(app), pointsTool(app),
+            directionTool(app), scaleTool(app), pasteTool(app));
 buildPage(app);
+installFieldView(app);
+installMarks(app);
 toolbox.enter();
 (globalThis as any).pith = app; // for tests, benchmarks, and the curious

@@ -32,6 +32,7 @@ export interface State {
   body: number;                     // what tools work on
   part: number | null;              // the picked part of the view
   paint: number;                    // depth that is painted
+  erase: boolean;                   // does painting take paint away?
   palette: number[];
   crease: number;                   // degrees, of the multi-face fill
   layer: number | null;             // depth of the layer looked at
@@ -39,7 +40,13 @@ export interface State {
   lines: 'none' | 'body' | 'layer' | 'skin' | 'section';
   linesOf: '' | 'primary' | 'secondary' | 'tertiary' | 'vectors';
   apart: number;                    // how far parts are pulled apart for looking, 0..1
-  size: number;                     // of the exemplar that scale and paste place, model units
+  size: number;                     // of the exemplar that scale and paste place, model units; 0: not chosen yet
+  pasting: Json | null;             // the exemplar that is pasted, as a document writes it
+  keep: 'both' | 'positive' | 'negative'; // of cuts that are drawn
+  separate: boolean;                // the same
+  chosenCut: number | null;         // the row that Delete takes away
+  tab: 'inside' | 'fields' | 'cuts' | 'look';
+  inspector: boolean;               // is it open?
   clip: boolean;                    // is the clip plane shown?
   theme: 'dark' | 'light';
   hint: string;                     // what the tool says in the status bar
@@ -50,8 +57,9 @@ export const initial: State = {
   connection: 'connecting', version: '', path: '', file: '', socket: 0, schema: {}, types: {}, templates: [],
   revision: 0, document: {}, name: '', undo: [], redo: [], saved: true, recovered: false, bodies: [], automatic: true,
   jobs: [],
-  tool: 'select', mode: 'solid', body: 0, part: null, paint: 0, palette: [0, 0.25, 0.5, 0.75, 1], crease: 30, layer: null,
-  isolines: true, lines: 'none', linesOf: '', apart: 0, size: 1, clip: false, theme: 'dark', hint: '', serial: 0,
+  tool: 'select', mode: 'solid', body: 0, part: null, paint: 0, erase: false, palette: [0, 0.25, 0.5, 0.75, 1],
+  crease: 30, layer: null, isolines: true, lines: 'none', linesOf: '', apart: 0, size: 0, pasting: null, keep: 'positive',
+  separate: false, chosenCut: null, tab: 'inside', inspector: true, clip: false, theme: 'dark', hint: '', serial: 0,
 };
 
 type Key = keyof State;

@@ -25,7 +25,7 @@ export function cutTool(app: App): Tool {
 
   return {
     name: 'cut', label: 'Cut', key: 'c', icon: 'cut', shift: true,
-    hint: 'Draw across the model: what lies to the right of the stroke stays. Shift keeps the left side, Alt-release both.',
+    hint: 'Draw across the model: what lies right of the stroke stays. Shift keeps the other side, Alt both.',
     enter() { app.assemble(true); },
     leave() { app.assemble(false); },
     down(event) {
@@ -42,11 +42,12 @@ export function cutTool(app: App): Tool {
       show();
       if (!drawn || drawn.length < 12) return;
       drawn.add(event.x, event.y);
-      const keep = event.pointer.altKey ? 'both' : event.pointer.shiftKey ? 'negative' : 'positive';
+      const { keep: chosen, separate } = store.state, other = chosen === 'negative' ? 'positive' : 'negative';
+      const keep = event.pointer.altKey ? 'both' : event.pointer.shiftKey ? other : chosen;
       const points = simplify(drawn.points, 0.75, flatDistance);
       app.timing.begin('cut');
       const gap = keep === 'both' ? { gap: Number((0.25 * viewport.diagonal).toPrecision(3)) } : {};
-      void actions.apply('Cut', [{ ...operation(points, keep), ...gap }]);
+      void actions.apply('Cut', [{ ...operation(points, keep), ...gap, ...(separate ? { separate } : {}) }]);
       store.set({ part: null });
     },
     cancel() {
