@@ -92,6 +92,16 @@ Layer layerAt(inout int i, vec3 corner, vec3 dx, vec3 dy, float depth, vec2 slop
 }
 
 #ifdef LAYERED
+vec4 filtered(vec3 at, vec2 dx, vec2 dy)
+{
+#ifdef PLAIN
+    vec2 size = vec2(textureSize(exemplar, 0).xy);
+    return textureLod(exemplar, at, 0.5 * log2(max(dot(dx * size, dx * size), dot(dy * size, dy * size))));
+#else
+    return textureGrad(exemplar, at, dx, dy);
+#endif
+}
+
 /* Types 1 are filtered over r and t alone: a skin two voxels thick must not take the colour of the flesh under it because
    it is seen from afar. Along s a few rows are looked at, as many as the pixel spans. */
 vec4 exemplarAt(Layer layer)
@@ -103,8 +113,7 @@ vec4 exemplarAt(Layer layer)
     for (int i = 0; i < taps; ++i) {
         float row = clamp(at.y * rows - 0.5 + ((float(i) + 0.5) / float(taps) - 0.5) * span * float(taps > 1), 0.0, rows - 1.0);
         float low = floor(row);
-        vec4 a = textureGrad(exemplar, vec3(at.xz, low), layer.dx.xz, layer.dy.xz);
-        vec4 b = textureGrad(exemplar, vec3(at.xz, low + 1.0), layer.dx.xz, layer.dy.xz);
+        vec4 a = filtered(vec3(at.xz, low), layer.dx.xz, layer.dy.xz), b = filtered(vec3(at.xz, low + 1.0), layer.dx.xz, layer.dy.xz);
         sum += mix(a, b, row - low);
     }
     return sum / float(taps);
@@ -112,7 +121,12 @@ vec4 exemplarAt(Layer layer)
 #else
 vec4 exemplarAt(Layer layer)
 {
+#ifdef PLAIN
+    vec3 size = vec3(textureSize(exemplar, 0)), dx = layer.dx * size, dy = layer.dy * size;
+    return textureLod(exemplar, layer.rst + layer.about.xyz, 0.5 * log2(max(dot(dx, dx), dot(dy, dy))));
+#else
     return textureGrad(exemplar, layer.rst + layer.about.xyz, layer.dx, layer.dy);
+#endif
 }
 #endif
 

@@ -10,7 +10,7 @@ export const LAYER_WIDTH = 2048;    // as in lapped.glsl
 export const PAINT_WIDTH = 1024;    // as in part.frag.glsl
 const MASKS_DEEP = 32;              // masks one behind the other
 
-/** Of exemplars seen at a slant; a renderer in software does without. */
+/** How exemplars seen at a slant are filtered; a renderer in software has it plain. */
 let anisotropy = 8;
 export function setAnisotropy(most: number): void { anisotropy = most; }
 
@@ -218,7 +218,7 @@ export function partMaterial(shared: Shared, solid: BodySolid | null, own: { [na
     glslVersion: THREE.GLSL3,
     vertexShader: partVertex,
     fragmentShader: partFragment.slice(0, split) + lapped + partFragment.slice(split),
-    defines: { ...solid?.defines, ...defines },
+    defines: { ...solid?.defines, ...defines, ...(anisotropy > 1 ? {} : { PLAIN: 1 }) },
     uniforms: { ...shared, ...solid?.uniforms, ...own },
     side: THREE.DoubleSide,
   });

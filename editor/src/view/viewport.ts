@@ -59,14 +59,12 @@ export class Viewport {
 
   constructor() {
     this.element.className = 'viewport';
-    this.renderer = new THREE.WebGLRenderer({ antialias: true, alpha: true, powerPreference: 'high-performance' });
+    this.slow = drawsInSoftware();
+    this.renderer = new THREE.WebGLRenderer({ antialias: !this.slow, alpha: true, powerPreference: 'high-performance' });
     this.renderer.outputColorSpace = THREE.LinearSRGBColorSpace; // the parts' shader encodes by itself
     this.renderer.setClearColor(0x000000, 0);
     this.canvas = this.renderer.domElement;
-    const { capabilities } = this.renderer, gl = this.renderer.getContext();
-    const names = gl.getExtension('WEBGL_debug_renderer_info');
-    this.slow = /swiftshader|llvmpipe|software|basic render/i.test(String(gl.getParameter(names?.UNMASKED_RENDERER_WEBGL ?? gl.RENDERER)));
-    setAnisotropy(this.slow ? 1 : Math.min(8, capabilities.getMaxAnisotropy()));
+    setAnisotropy(this.slow ? 1 : Math.min(8, this.renderer.capabilities.getMaxAnisotropy()));
     this.canvas.tabIndex = 0;
     this.canvas.setAttribute('aria-label', 'The model. Drag to turn it, with the right button in any tool.');
     this.overlay = new Overlay(this.table.camera);
@@ -376,6 +374,16 @@ export class Viewport {
     this.draw();
     return new Promise((resolve, reject) => this.canvas.toBlob((blob) => (blob ? resolve(blob) : reject(new Error('no picture'))), 'image/png'));
   }
+}
+
+/* Is there no graphics card? Asked of a context of its own, because the real one is made by the answer. */
+function drawsInSoftware(): boolean {
+  const gl = document.createElement('canvas').getContext('webgl2');
+  if (!gl) return true;
+  const names = gl.getExtension('WEBGL_debug_renderer_info');
+  const renderer = String(gl.getParameter(names?.UNMASKED_RENDERER_WEBGL ?? gl.RENDERER));
+  gl.getExtension('WEBGL_lose_context')?.loseContext();
+  return /swiftshader|llvmpipe|software|basic render/i.test(renderer);
 }
 
 /* A soft shadow under the model, so that it stands somewhere. */
