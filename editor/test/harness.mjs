@@ -36,7 +36,7 @@ export function workFolder() {
 
 /** Starts `pith edit` and resolves when it has said its address. */
 export function startServer(document, options = []) {
-  const child = spawn(program, ['edit', document, '--no-open', '--port', '0', '--json', '--page', pageFolder, ...options],
+  const child = spawn(program, ['edit', document, '--no-open', '--json', '--page', pageFolder, ...options],
                       { stdio: ['ignore', 'pipe', 'pipe'] });
   let errors = '';
   child.stderr.on('data', (text) => { errors += text; });

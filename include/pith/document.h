@@ -47,6 +47,9 @@ pith_status pith_document_schema(char **text, pith_error *err);     /* the JSON 
 pith_status pith_document_keys(char **text, pith_error *err);
 /** Every parameter table that a document can set, NULL-terminated. */
 const pith_params *const *pith_document_tables(void);
+/** The fields that a body needs for a lapped solid of a texture type (pith_texture_type). */
+typedef struct pith_type_fields { bool depth, direction, vectors, scale; } pith_type_fields;
+pith_type_fields pith_document_type_fields(uint32_t type);
 
 /** Names of the bodies; a document without "bodies" is one body called "". */
 size_t pith_document_bodies(const pith_document *document);
@@ -145,6 +148,15 @@ pith_status pith_model_mesh(pith_model *model, const pith_mesh **mesh, const pit
 pith_status pith_model_tets(pith_model *model, const pith_tets **tets, const pith_tets_report **report,
                             pith_error *err);
 pith_status pith_model_locator(pith_model *model, const pith_locator **locator, pith_error *err);
+/** The depth painted on each triangle of the cleaned mesh, by lists, "all" or where they face; NaN where none is:
+ *  [count], the mesh's triangles. Where several constraints are about a triangle it is the last one's. Refuses what
+ *  pith_model_fields refuses in them. */
+pith_status pith_model_painted(pith_model *model, const float **depth, uint32_t *count, pith_error *err);
+/** Which triangle of the cleaned mesh each boundary face of a tet is: [tet_count][4], entry k for the face opposite corner
+ *  k; PITH_NONE for faces between tets. Where the mesh's faces were not kept (stuffing, refinement) it is the triangle
+ *  nearest to the face's middle. A triangle of a shell's skin lies on the face of its source tet whose corner has weight
+ *  0 (pith_shell_weights) at all three of its vertices. */
+pith_status pith_model_surface_faces(pith_model *model, const uint32_t (**faces)[4], pith_error *err);
 /** Fields of the tets: depth, gradient, secondary (NULL when the document has none); [vertex_count]. */
 pith_status pith_model_fields(pith_model *model, const double **depth, const pith_vec3 **gradient,
                               const pith_vec3 **secondary, pith_error *err);
@@ -178,6 +190,12 @@ typedef struct pith_model_piece {
  *  keep in memory what its cuts make on the way (up to 1 GiB), so that one cut more or less is one cut's work. */
 pith_status pith_model_pieces(pith_model *model, bool displaced, const pith_model_piece **pieces, size_t *count,
                               pith_error *err);
+/** What a plane would lay open of the pieces that are not hidden, without cutting: their sections alone, as
+ *  pith_part_section gives them, turned along the normal; `inside` is not set. One for each piece that the plane meets;
+ *  the caller frees them with pith_sections_free. PITH_BAD_ARGUMENT for a plane without normal. */
+pith_status pith_model_section(pith_model *model, const pith_plane *plane, pith_model_piece **sections, size_t *count,
+                               pith_error *err);
+void pith_sections_free(pith_model_piece *sections, size_t count); /* NULL is allowed */
 /** The shells left after the cuts, with their offsets; empty shells and hidden parts are left out. Cuts apply in sequence: all but the
  *  last split every part there is, the last one only lays its section open. Offsets add up. */
 pith_status pith_model_items(pith_model *model, const pith_render_item **items, size_t *count, pith_error *err);
@@ -197,5 +215,102 @@ size_t pith_model_saved_size(const pith_model *model);
 /** What the user should know though nothing failed (a damaged cache, a cache that could not be written, a surface that
  *  had to be repaired), one sentence a line; "" when there is nothing. */
 const char *pith_model_notes(const pith_model *model);
+
+/* ---- fields looked at -------------------------------------------------------------------------------------------- */
+
+/* What there is to see of the fields of a body: layers of depth, streamlines and arrows. A look is made once; from then
+   on it answers, several threads if need be. */
+
+/** Which field is followed. Any: what there is, vectors before secondary directions, those before primary ones; with
+ *  `layers` the directions of the frames come first. */
+typedef enum pith_look_of {
+    PITH_LOOK_ANY,
+    PITH_LOOK_PRIMARY,      /* the slope of depth */
+    PITH_LOOK_SECONDARY,    /* along the strokes of "direction", within the layers */
+    PITH_LOOK_TERTIARY,     /* across both */
+    PITH_LOOK_VECTORS       /* "vectors" */
+} pith_look_of;
+
+typedef struct pith_look_options {
+    uint32_t of;            /* pith_look_of */
+    bool layers;            /* depth is looked at: it must be there, but directions need not */
+    double angle;           /* tets count as singular where frames turn by more (pith_frame_singular), degrees */
+} pith_look_options;
+extern const pith_params pith_look_params;
+pith_look_options pith_look_options_default(void);
+
+typedef struct pith_look pith_look;
+
+/** What a look is of. Everything belongs to the look or its model. */
+typedef struct pith_look_view {
+    pith_look_of of;            /* the field that is followed; never PITH_LOOK_ANY */
+    bool has_depth, has_direction, has_vectors; /* what the document gives the body */
+    pith_directions directions; /* that field in the whole body, zero outside; sample is NULL where it is missing, which
+                                   only happens with `layers` */
+    bool runs_on_layers;        /* are there lines on layers? */
+    const pith_tets *tets;
+    const pith_locator *locator;
+    const pith_part *part;      /* the whole body */
+    const double *depth;        /* [vertex_count]; this and the next: NULL without depth */
+    const pith_vec3 *gradient;
+    const pith_vec3 *secondary; /* NULL without direction */
+    double lowest, highest;     /* of depth; an empty range without it */
+    pith_box box;
+    uint32_t singular;          /* tets where the frames are; PITH_NONE without depth */
+} pith_look_view;
+
+/** Builds what it needs of the body, a model of one body, which must outlive the look and not be asked by another
+ *  thread meanwhile. PITH_BAD_ARGUMENT: a field that the document does not give the body, naming the key; none at all;
+ *  several bodies. Cost: that of the model's stages, and O(tets). */
+pith_status pith_look_create(pith_model *body, const pith_look_options *options, pith_look **look, pith_error *err);
+void pith_look_destroy(pith_look *look);
+pith_look_view pith_look_see(const pith_look *look);
+
+/** Depth at material coordinates, linear in the tets; outside that of the nearest place. 0 for a body without depth.
+ *  depths [count], caller's array. Expected O(1) a point. */
+pith_status pith_look_depths(const pith_look *look, const pith_vec3 *points, size_t count, double *depths,
+                             pith_error *err);
+/** Red, yellow, green, cyan, blue from depth 0 to 1 (Takayama's thesis 2011, §4.4.1), blended as sRGB; gives linear
+ *  RGB. */
+void pith_look_colour(double depth, float colour[3]);
+
+/** The layer of one depth as a mesh: unit normals towards the outside (against the slope of depth), colours by depth.
+ *  Its positions are material coordinates. part: what of the body is shown, all of it at NULL; its positions must be
+ *  its material coordinates, and where it was split the faces of the split that lie deeper belong to the mesh. Marching
+ *  tetrahedra (pith_part_cut), O(tets). A part that is nowhere so deep gives no triangles.
+ *  PITH_BAD_ARGUMENT: no depth field, or a level that is not inside its range. */
+pith_status pith_look_layer(const pith_look *look, const pith_part *part, double level, pith_mesh **mesh,
+                            pith_error *err);
+
+/** Kinds of a shell's triangles, as a mask: PITH_LOOK_AT(PITH_SKIN) | PITH_LOOK_AT(PITH_SECTION) are all. */
+#define PITH_LOOK_AT(kind) (1u << (kind))
+/** Those triangles of a shell of the body as a mesh: where they are now, normals smooth but for edges that bend by more
+ *  than 40 degrees, colours by the depth at their material coordinates; grey for a body without depth. O(triangles). */
+pith_status pith_look_shell(const pith_look *look, const pith_shell *shell, uint32_t kinds, pith_mesh **mesh,
+                            pith_error *err);
+
+/** Where lines and arrows are wanted: in the whole body, or on a layer of depth. */
+typedef struct pith_look_place {
+    enum { PITH_LOOK_BODY, PITH_LOOK_LAYER } kind;
+    const pith_mesh *layer;     /* as pith_look_layer made it of the whole body */
+    double level;               /* its depth */
+} pith_look_place;
+
+/** Evenly spaced streamlines (pith_streamlines). On a layer the field is made tangent to the layers, and the lines'
+ *  points are moved to this one, to about a hundredth of depth where tets are coarse; lengths are fractions of the
+ *  layer's diagonal.
+ *  PITH_BAD_ARGUMENT: there are no directions, primary ones on a layer (they run across), and as pith_streamlines. */
+pith_status pith_look_lines(const pith_look *look, const pith_look_place *place,
+                            const pith_streamline_options *options, const pith_progress *progress,
+                            pith_polylines **lines, pith_error *err);
+
+/** Distance of arrows, in spacings of lines. */
+#define PITH_LOOK_ARROWS_APART 2.0
+/** Places of arrows about PITH_LOOK_ARROWS_APART spacings of the body's diagonal apart, on a grid in the body,
+ *  scattered on a layer, and the field there: unit vectors, zero where it is. points, vectors: allocated [count], caller frees
+ *  both with pith_free. Errors as for lines; a spacing so wide that no place lies in the body. */
+pith_status pith_look_arrows(const pith_look *look, const pith_look_place *place,
+                             const pith_streamline_options *options, pith_vec3 **points, pith_vec3 **vectors,
+                             size_t *count, pith_error *err);
 
 #endif

@@ -20,6 +20,8 @@ pith_status pith_image_read(const char *path, pith_image **image, pith_error *er
 pith_status pith_image_decode(const char *name, const void *bytes, size_t size, pith_image **image, pith_error *err);
 /** .png (8 bit, deterministic bytes) or .jpg (quality 1..100); values are clamped, colour encoded to sRGB. */
 pith_status pith_image_write(const pith_image *image, const char *path, int jpeg_quality, pith_error *err);
+/** The bytes that pith_image_write puts into a .png; free with pith_free. */
+pith_status pith_image_encode_png(const pith_image *image, unsigned char **bytes, size_t *size, pith_error *err);
 
 /** Cell-centred samples on a regular grid: sample (i,j,k) lies at origin + spacing * (i+½, j+½, k+½); i is fastest. */
 typedef struct pith_grid {

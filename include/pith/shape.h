@@ -101,6 +101,12 @@ pith_status pith_mesh_slab(const pith_slab_options *options, pith_mesh **mesh, p
 /** Angle-weighted vertex normals (Thürmer and Wüthrich 1998), unit length; [vertex_count], caller's array. */
 void pith_mesh_vertex_normals(const pith_mesh_view *mesh, pith_vec3 *normals);
 
+/** Points all over a surface at random, evenly within a triangle: one in every triangle, and one more for every `each`
+ *  of its area (square model units, above 0), up to 1000 more. Triangle by triangle; the same for the same seed. points:
+ *  allocated [count], caller frees with pith_free; NULL for a mesh without triangles. O(points). */
+pith_status pith_mesh_scatter(const pith_mesh *mesh, double each, uint64_t seed, pith_vec3 **points, size_t *count,
+                              pith_error *err);
+
 /* ---- polylines ------------------------------------------------------------------------------------------------------ */
 
 typedef struct pith_polylines pith_polylines;

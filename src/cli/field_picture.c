@@ -27,7 +27,7 @@ static void scene_clear(scene *s)
 static pith_plane plane_of(const field *from, pith_vec3 eye)
 {
     if (from->asked->has_plane) return from->asked->plane;
-    const pith_vec3 middle = pith_lerp(from->box.low, from->box.high, 0.5), look = pith_sub(eye, middle);
+    const pith_vec3 middle = pith_lerp(from->view.box.low, from->view.box.high, 0.5), look = pith_sub(eye, middle);
     const double x = fabs(look.x), y = fabs(look.y), z = fabs(look.z);
     pith_vec3 normal = { 0, 0, look.z < 0 ? -1 : 1 };
     if (x >= y && x >= z) normal = pith_v3(look.x < 0 ? -1 : 1, 0, 0);
@@ -39,24 +39,47 @@ static pith_plane plane_of(const field *from, pith_vec3 eye)
 static pith_status behind(const field *from, const pith_plane *plane, pith_shell **shell, pith_part **part,
                           pith_error *err)
 {
-    double *values = pith_alloc(pith_part_look(from->part).vertex_count, sizeof *values);
+    double *values = pith_alloc(pith_part_look(from->view.part).vertex_count, sizeof *values);
     if (!values) return PITH_OUT_OF_MEMORY(err, "a section");
-    pith_status status = pith_part_plane_values(from->part, plane, values, err);
+    pith_status status = pith_part_plane_values(from->view.part, plane, values, err);
     if (status == PITH_OK)
-        status = shell ? pith_part_cut(from->part, values, shell, NULL, err)
-                       : pith_part_split(from->part, values, part, NULL, err);
+        status = shell ? pith_part_cut(from->view.part, values, shell, NULL, err)
+                       : pith_part_split(from->view.part, values, part, NULL, err);
     pith_free(values);
     return status;
+}
+
+/* Paler colours; 1 is white. */
+static pith_status fade(pith_mesh **mesh, double pale, pith_error *err)
+{
+    pith_mesh_view view = pith_mesh_look(*mesh);
+    float (*colours)[4] = pith_alloc(view.vertex_count, sizeof *colours);
+    if (!colours) return PITH_OUT_OF_MEMORY(err, "colours");
+    for (uint32_t v = 0; v < view.vertex_count; ++v) {
+        for (int c = 0; c < 3; ++c)
+            colours[v][c] = (float)(pale * 0.85 + (1.0 - pale) * (double)view.colours[v][c]);
+        colours[v][3] = view.colours[v][3];
+    }
+    view.colours = (const float (*)[4])colours;
+    pith_mesh *made = NULL;
+    const pith_status status = pith_mesh_create(&view, &made, err);
+    pith_free(colours);
+    if (status != PITH_OK) return status;
+    pith_mesh_destroy(*mesh);
+    *mesh = made;
+    return PITH_OK;
 }
 
 static pith_status add_skin(const field *from, bool whole, double pale, scene *s, pith_error *err)
 {
     pith_shell *shell = NULL;
-    PITH_TRY(whole ? pith_part_shell(from->part, &shell, err) : behind(from, &s->plane, &shell, NULL, err));
-    const pith_status status = field_shell_mesh(from, shell, PITH_SKIN, pale, &s->meshes[s->count], err);
+    PITH_TRY(whole ? pith_part_shell(from->view.part, &shell, err) : behind(from, &s->plane, &shell, NULL, err));
+    const pith_status status =
+        pith_look_shell(from->look, shell, PITH_LOOK_AT(PITH_SKIN), &s->meshes[s->count], err);
     pith_shell_destroy(shell);
-    s->count += status == PITH_OK;
-    return status;
+    if (status != PITH_OK) return status;
+    ++s->count;
+    return fade(&s->meshes[s->count - 1], pale, err);
 }
 
 /* The section in colours of depth, finely divided: within a triangle colours are linear, which depth's are not. */
@@ -66,7 +89,8 @@ static pith_status add_section(const field *from, scene *s, pith_error *err)
     PITH_TRY(behind(from, &s->plane, &shell, NULL, err));
     pith_status status = pith_shell_divide(shell, from->diagonal / 200, 4000000, &fine, err);
     pith_shell_destroy(shell);
-    if (status == PITH_OK) status = field_shell_mesh(from, fine, PITH_SECTION, 0.0, &s->meshes[s->count], err);
+    if (status == PITH_OK)
+        status = pith_look_shell(from->look, fine, PITH_LOOK_AT(PITH_SECTION), &s->meshes[s->count], err);
     s->count += status == PITH_OK;
     pith_shell_destroy(fine);
     return status;
@@ -110,8 +134,7 @@ static pith_status add_layer(const field *from, int index, scene *s, pith_error 
     if (!layer->mesh) return PITH_OK;
     pith_part *part = NULL;
     if (opened) PITH_TRY(behind(from, &s->plane, NULL, &part, err));
-    const pith_status status =
-        field_layer_mesh(from, opened ? part : from->part, layer->level, &s->meshes[s->count], err);
+    const pith_status status = pith_look_layer(from->look, part, layer->level, &s->meshes[s->count], err);
     pith_part_destroy(part);
     if (status != PITH_OK) return status;
     ++s->count;
@@ -182,7 +205,8 @@ pith_status field_picture(field *from, const cli_line *line, const pith_document
     scene s = { .options = pith_render_options_default() };
     s.options.ground = false;
     cli_apply_params(line, &pith_render_params, &s.options);
-    s.camera = cli_place_camera(&from->asked->camera, document, &from->box, (double)s.options.width / s.options.height);
+    s.camera = cli_place_camera(&from->asked->camera, document, &from->view.box,
+                                (double)s.options.width / s.options.height);
     s.plane = plane_of(from, s.camera.eye);
     pith_image *image = NULL;
     pith_status status = fill_scene(from, &s, err);

@@ -91,9 +91,11 @@ static void on_signal(int number)
 
 static int tell_address(const pith_server *server, const char *document, bool json)
 {
-    if (json)
-        return cli_print_json(json_pack("{ss ss}", "address", pith_server_address(server), "document", document));
-    printf("%s\n", pith_server_address(server));
+    json_t *report = json_pack("{ss ss}", "address", pith_server_address(server), "document", document);
+    char *line = report && json ? json_dumps(report, JSON_COMPACT) : NULL; /* one line: programs wait for it */
+    printf("%s\n", line ? line : pith_server_address(server));
+    free(line);
+    json_decref(report);
     return cli_finish_output("edit");
 }
 

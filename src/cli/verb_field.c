@@ -3,9 +3,11 @@
 
 #include <string.h>
 
-static const char *const of_words[] = { "primary", "secondary", "tertiary", "vectors", NULL };
 static const char *const outline_words[] = { "open", "whole", "none", NULL };
 static const char *const colour_words[] = { "depth", "direction", NULL };
+
+/* The words of --of; the field's number is one more than its place here. */
+static const char *const *of_words(void) { return pith_params_find(&pith_look_params, "of")->choices + 1; }
 
 typedef enum field_kind { KIND_LINES, KIND_MESH, KIND_PICTURE, KIND_NONE } field_kind;
 
@@ -124,9 +126,10 @@ static json_t *layers_json(const field *from)
 
 static json_t *report_json(const field *from)
 {
-    json_t *report = json_pack("{ss si}", "of", from->of < OF_DEFAULT ? of_words[from->of] : "depth", "tetrahedra",
-                               (int)from->view.tet_count);
-    if (from->singular != PITH_NONE) json_object_set_new(report, "singular_tetrahedra", json_integer(from->singular));
+    json_t *report = json_pack("{ss si}", "of", of_words()[from->view.of - 1], "tetrahedra",
+                               (int)pith_tets_look(from->view.tets).tet_count);
+    if (from->view.singular != PITH_NONE)
+        json_object_set_new(report, "singular_tetrahedra", json_integer(from->view.singular));
     if (from->layers[0].lines) {
         size_t lines = 0, points = 0;
         json_t *length = length_json(from, &lines, &points);
@@ -183,9 +186,8 @@ static bool wants_lines(const field *from, const field_flags *asked)
     bool wanted = asked->out.count == 0 && !from->layered;
     for (int i = 0; i < asked->out.count; ++i) {
         const field_kind kind = kind_of(asked->out.items[i], asked->glyphs);
-        const bool follows = from->directions.sample && !(from->layered && from->of == OF_PRIMARY);
         wanted |= kind == KIND_LINES || (kind == KIND_MESH && (!from->layered || asked->glyphs)) ||
-                  (kind == KIND_PICTURE && (!from->layered || follows));
+                  (kind == KIND_PICTURE && (!from->layered || from->view.runs_on_layers));
     }
     return wanted;
 }
@@ -193,7 +195,7 @@ static bool wants_lines(const field *from, const field_flags *asked)
 static pith_status run(const cli_model *opened, const cli_line *line, pith_model *body, const field_flags *asked,
                        field *made, pith_error *err)
 {
-    PITH_TRY(field_open(opened, body, asked, made, err));
+    PITH_TRY(field_open(body, asked, made, err));
     PITH_TRY(field_make_layers(made, err));
     if (wants_lines(made, asked)) PITH_TRY(asked->glyphs ? field_make_points(made, err) : field_make_lines(made, err));
     for (int i = 0; i < asked->out.count; ++i) {
@@ -281,7 +283,7 @@ static int parse(int argc, char **argv, cli_line *line, field_flags *asked, cli_
           "of lines and arrows; default depth, where there is one", 0, 0, NULL },
         { "radius", 0, CLI_NUMBER, &asked->radius, "X", "of tubes, in spacings of lines; default 0.15", 0.001, 1,
           NULL },
-        { "angle", 0, CLI_NUMBER, &asked->angle, "DEGREES",
+        { "angle", 0, CLI_NUMBER, &asked->look.angle, "DEGREES",
           "tetrahedra count as singular where frames turn by more; default "
           "60",
           1, 90, NULL },
@@ -293,11 +295,12 @@ static int parse(int argc, char **argv, cli_line *line, field_flags *asked, cli_
     line->flags = flags;
     line->flag_count = sizeof flags / sizeof *flags;
     int code = cli_parse(line, argc, argv);
-    uint32_t of = OF_DEFAULT, outline = OUTLINE_OPEN, colour = COLOUR_DEFAULT;
-    if (code == CLI_GO_ON) code = read_word("of", words.of, of_words, &of);
+    uint32_t of = PITH_NONE, outline = OUTLINE_OPEN, colour = COLOUR_DEFAULT;
+    if (code == CLI_GO_ON) code = read_word("of", words.of, of_words(), &of);
     if (code == CLI_GO_ON) code = read_word("outline", words.outline, outline_words, &outline);
     if (code == CLI_GO_ON) code = read_word("colour", words.colour, colour_words, &colour);
-    asked->of = (field_of)of;
+    if (of != PITH_NONE) asked->look.of = of + 1;
+    asked->look.layers = asked->depth || asked->layers.count > 0;
     asked->outline = (field_outline)outline;
     asked->colour = (field_colour)colour;
     line->flags = NULL; /* they end here */
@@ -308,7 +311,8 @@ static int parse(int argc, char **argv, cli_line *line, field_flags *asked, cli_
 int verb_field(int argc, char **argv)
 {
     cli_model_flags common = { 0 };
-    field_flags asked = { .radius = 0.15, .angle = 60, .lines = pith_streamline_options_default() };
+    field_flags asked = { .radius = 0.15, .look = pith_look_options_default(),
+                          .lines = pith_streamline_options_default() };
     cli_line line = { .verb = "field",
                       .words = "DOCUMENT -o FILE",
                       .least_words = 1,

@@ -182,6 +182,12 @@ const type_needs *type_needs_of(uint32_t type)
     return &needs[type];
 }
 
+pith_type_fields pith_document_type_fields(uint32_t type)
+{
+    const type_needs *needs = type_needs_of(type);
+    return (pith_type_fields){ needs->depth, needs->direction, needs->vectors, needs->scale };
+}
+
 /* `in` stands at the exemplar's object. */
 static pith_status build_exemplar(pith_document *made, reader *in, const json_t *from, document_exemplar *to)
 {

@@ -118,6 +118,19 @@ static pith_status quantise(const pith_image *image, raw_image *raw, pith_error 
     return PITH_OK;
 }
 
+/* As JPEG of this quality, or as PNG for 0. */
+static pith_status encode(const pith_image *image, int jpeg_quality, unsigned char **bytes, size_t *size,
+                          pith_error *err)
+{
+    raw_image raw = { 0 };
+    pith_status status = quantise(image, &raw, err);
+    if (status == PITH_OK)
+        status = jpeg_quality > 0 ? jpeg_encode(&raw, jpeg_quality, bytes, size, err)
+                                  : png_encode(&raw, bytes, size, err);
+    pith_free(raw.samples);
+    return status;
+}
+
 pith_status pith_image_write(const pith_image *image, const char *path, int jpeg_quality, pith_error *err)
 {
     const bool png = pith_path_has_extension(path, "png");
@@ -129,16 +142,15 @@ pith_status pith_image_write(const pith_image *image, const char *path, int jpeg
         return pith_fail(err, PITH_BAD_ARGUMENT, "%s: JPEG quality is %d, expected 1 to 100", path, jpeg_quality);
     if (jpeg && image->channels != 1 && image->channels != 3)
         return pith_fail(err, PITH_BAD_ARGUMENT, "%s: JPEG holds no alpha; write .png or drop the image's alpha", path);
-    raw_image raw = { 0 };
     unsigned char *bytes = NULL;
     size_t size = 0;
-    pith_status status;
-    PITH_TRY_OR(cleanup, quantise(image, &raw, err));
-    PITH_TRY_OR(cleanup,
-                png ? png_encode(&raw, &bytes, &size, err) : jpeg_encode(&raw, jpeg_quality, &bytes, &size, err));
-    status = pith_file_write(path, bytes, size, err);
-cleanup:
-    pith_free(raw.samples);
+    PITH_TRY(encode(image, jpeg ? jpeg_quality : 0, &bytes, &size, err));
+    const pith_status status = pith_file_write(path, bytes, size, err);
     pith_free(bytes);
     return status;
+}
+
+pith_status pith_image_encode_png(const pith_image *image, unsigned char **bytes, size_t *size, pith_error *err)
+{
+    return encode(image, 0, bytes, size, err);
 }

@@ -25,6 +25,38 @@ static const argument of_save[] = {
     NO_MORE,
 };
 
+static const char *const update_words[] = { "fields", "solid", NULL };
+static const argument of_update[] = {
+    { "what", ARGUMENT_TEXT, true, 0, 0, update_words },
+    NO_MORE,
+};
+static const argument of_cancel[] = {
+    { "job", ARGUMENT_WHOLE, true, 1, 4294967295.0, NULL },
+    NO_MORE,
+};
+static const argument of_automatic[] = {
+    { "on", ARGUMENT_SWITCH, true, 0, 0, NULL },
+    NO_MORE,
+};
+
+static const char *const picture_words[] = { "render", "volume", NULL };
+static const argument of_picture[] = {
+    { "how", ARGUMENT_TEXT, false, 0, 0, picture_words },
+    { "camera", ARGUMENT_OBJECT, false, 0, 0, NULL },
+    { "stream", ARGUMENT_TEXT, false, 0, 60, NULL },
+    NO_MORE,
+};
+
+static const char *const file_words[] = { "recipe", "mesh", "grid", "image", "document", NULL };
+static const argument of_files[] = {
+    { "kind", ARGUMENT_TEXT, true, 0, 0, file_words },
+    NO_MORE,
+};
+static const argument of_file_put[] = {
+    { "name", ARGUMENT_TEXT, true, 0, 0, NULL },
+    NO_MORE,
+};
+
 const verb editor_verbs[] = {
     { "hello", false, none, false, do_hello },
     { "apply", false, of_apply, false, do_apply },
@@ -32,6 +64,12 @@ const verb editor_verbs[] = {
     { "redo", false, revision_only, false, do_redo },
     { "save", false, of_save, false, do_save },
     { "revert", false, revision_only, false, do_revert },
+    { "update", false, of_update, false, do_update },
+    { "cancel", false, of_cancel, false, do_cancel },
+    { "automatic", false, of_automatic, false, do_automatic },
+    { "files", false, of_files, false, do_files },
+    { "file.put", true, of_file_put, false, do_file_put },
+    { "picture", false, of_picture, true, do_picture },
     { NULL, false, NULL, false, NULL },
 };
 
@@ -81,25 +119,63 @@ void editor_message(editor *own, uint32_t socket, bool binary, const unsigned ch
 
 /* ---- life ---------------------------------------------------------------------------------------------------------- */
 
-pith_status editor_open(const char *path, const editor_options *options, outbox *out, editor **made, pith_error *err)
+file_places editor_places(const editor *own)
+{
+    return (file_places){ session_folder(own->opened), own->examples };
+}
+
+/* From the threads of the editor. */
+static void something_came_up(void *user)
+{
+    const editor *own = user;
+    if (own->wake) own->wake(own->wake_user);
+}
+
+static void model_arrived(void *user, built_model *made)
+{
+    const editor *own = user;
+    viewer_arrive(own->view, made);
+}
+
+void editor_woken(editor *own) { build_look(own); }
+
+static pith_status start(editor *own, const char *path, pith_error *err)
+{
+    const builder_calls calls = { model_arrived, something_came_up, own };
+    PITH_TRY(session_open(path, &own->opened, err));
+    PITH_TRY(viewer_create(session_path(own->opened), own->out, something_came_up, own, &own->view, err));
+    PITH_TRY(builder_create(own->out, own->cache, &calls, &own->build, err));
+    build_document_changed(own);
+    return PITH_OK;
+}
+
+pith_status editor_open(const char *path, const editor_options *options, outbox *out, void (*wake)(void *user),
+                        void *user, editor **made, pith_error *err)
 {
     editor *own = pith_alloc(1, sizeof *own);
     if (!own) return PITH_OUT_OF_MEMORY(err, path);
     own->out = out;
     own->cache = options->cache;
     own->automatic = options->automatic;
+    own->wake = wake;
+    own->wake_user = user;
     char *examples = options->examples ? realpath(options->examples, NULL) : NULL;
     if (examples) snprintf(own->examples, sizeof own->examples, "%s", examples);
     free(examples);
-    const pith_status status = session_open(path, &own->opened, err);
+    const pith_status status = start(own, path, err);
     if (status == PITH_OK) *made = own;
     else editor_close(own);
     return status;
 }
 
+/* The builder goes first: it hands models to the viewer. */
 void editor_close(editor *own)
 {
     if (!own) return;
+    builder_destroy(own->build);
+    viewer_destroy(own->view);
     session_close(own->opened);
+    pith_free(own->state);
+    free(own->told_bodies);
     pith_free(own);
 }

@@ -6,9 +6,12 @@
 #ifndef PITH_SERVER_EDITOR_H
 #define PITH_SERVER_EDITOR_H
 
+#include "builder.h"
+#include "files.h"
 #include "outbox.h"
 #include "request.h"
 #include "session.h"
+#include "viewer.h"
 
 typedef struct editor_options {
     const char *examples;       /* folder of what is shipped with pith; NULL: none */
@@ -21,15 +24,29 @@ struct editor {
     outbox *out;                /* borrowed */
     char examples[4096];        /* as realpath gives it, "" when there is none */
     bool cache, automatic;
+    builder *build;
+    viewer *view;
+    void (*wake)(void *user);   /* makes the sockets' thread call editor_woken */
+    void *wake_user;
+    viewer_state *state;        /* what the viewer said last; NULL: nothing yet */
+    char *told_bodies;          /* the list that pages were told last */
+    uint64_t declined;          /* the build signature of what somebody cancelled: it does not start by itself again */
 };
 
-/* Opens the document; out is borrowed. */
-pith_status editor_open(const char *path, const editor_options *options, outbox *out, editor **made, pith_error *err);
+/* Opens the document, and begins to work on it. out is borrowed. wake (may be NULL) is called from the editor's threads
+   when something has come up, and has editor_woken called by the thread of the sockets. */
+pith_status editor_open(const char *path, const editor_options *options, outbox *out, void (*wake)(void *user),
+                        void *user, editor **made, pith_error *err);
+/* Ends the work and its threads. */
 void editor_close(editor *own);
+void editor_woken(editor *own);
 /* One message of a page, answered through the outbox. `admit` (may be NULL) is called when the socket says hello, before
    anything is sent to it. */
 void editor_message(editor *own, uint32_t socket, bool binary, const unsigned char *bytes, size_t size,
                     void (*admit)(void *user, uint32_t socket), void *user);
+
+/* Where pages may reach; borrowed from the editor. */
+file_places editor_places(const editor *own);
 
 /* The table of all verbs; the last has no name. */
 extern const verb editor_verbs[];
@@ -42,5 +59,27 @@ pith_status do_undo(editor *own, request *asked, pith_error *err);
 pith_status do_redo(editor *own, request *asked, pith_error *err);
 pith_status do_save(editor *own, request *asked, pith_error *err);
 pith_status do_revert(editor *own, request *asked, pith_error *err);
+
+/* ---- building: requests_build.c -------------------------------------------------------------------------------------- */
+
+pith_status do_update(editor *own, request *asked, pith_error *err);
+pith_status do_cancel(editor *own, request *asked, pith_error *err);
+pith_status do_automatic(editor *own, request *asked, pith_error *err);
+/* The present document is another: the viewer is told. */
+void build_document_changed(editor *own);
+/* The viewer or the builder has news: pages are told what is known of the bodies, and what the present document calls for
+   is built, where that is to happen by itself. */
+void build_look(editor *own);
+/* The list "bodies" of events, as far as is known; a new reference. */
+json_t *build_bodies(const editor *own);
+
+/* ---- files: requests_files.c ----------------------------------------------------------------------------------------- */
+
+pith_status do_files(editor *own, request *asked, pith_error *err);
+pith_status do_file_put(editor *own, request *asked, pith_error *err);
+
+/* ---- pictures: requests_picture.c ------------------------------------------------------------------------------------ */
+
+pith_status do_picture(editor *own, request *asked, pith_error *err);
 
 #endif

@@ -56,8 +56,9 @@ pith_status pack_mesh(pith_model *body, size_t index, const char *name, bool pai
     const pith_mesh *mesh;
     const pith_mesh_report *report;
     const float *painted;
+    uint32_t count;
     PITH_TRY(pith_model_mesh(body, &mesh, &report, err));
-    PITH_TRY(pith_model_painted(body, &painted, err));
+    PITH_TRY(pith_model_painted(body, &painted, &count, err));
     const pith_mesh_view view = pith_mesh_look(mesh);
     packet_maker *maker = packet_begin("mesh");
     pack_stamped(maker, stamp);
@@ -68,6 +69,6 @@ pith_status pack_mesh(pith_model *body, size_t index, const char *name, bool pai
     json_object_set_new(text, "report", report_json(report));
     json_object_set_new(text, "box", pack_box(&report->box));
     if (!paint_only) put_geometry(maker, &view);
-    packet_borrow(maker, "painted", PACKET_F32, painted, view.triangle_count);
+    packet_borrow(maker, "painted", PACKET_F32, painted, count);
     return packet_finish(maker, made, err);
 }

@@ -6,10 +6,9 @@
 
 static const double crease = 40.0; /* edges that bend more stay sharp, degrees */
 
-/* The shells a packet is about, and whatever of them has to be freed. */
+/* The shells a packet is about. */
 typedef struct pack_scene {
     pack_piece *pieces;             /* [count] */
-    pith_shell **owned;             /* [count] shells made for this packet, or NULL */
     size_t count, vertices, triangles;
     bool has_depth, moved;
 } pack_scene;
@@ -18,27 +17,21 @@ typedef struct pack_scene {
 
 static pith_status scene_make(pack_scene *scene, size_t count, pith_error *err)
 {
-    *scene = (pack_scene){ .pieces = pith_alloc(count + 1, sizeof *scene->pieces),
-                           .owned = pith_alloc(count + 1, sizeof(pith_shell *)) };
-    return scene->pieces && scene->owned ? PITH_OK : PITH_OUT_OF_MEMORY(err, "a view");
+    *scene = (pack_scene){ .pieces = pith_alloc(count + 1, sizeof *scene->pieces) };
+    return scene->pieces ? PITH_OK : PITH_OUT_OF_MEMORY(err, "a view");
 }
 
 static void scene_clear(pack_scene *scene)
 {
-    for (size_t i = 0; i < scene->count; ++i) {
-        pith_free(scene->pieces[i].weights);
-        pith_shell_destroy(scene->owned[i]);
-    }
+    for (size_t i = 0; i < scene->count; ++i) pith_free(scene->pieces[i].weights);
     pith_free(scene->pieces);
-    pith_free(scene->owned);
 }
 
 /* Takes a piece in; with a shell it has triangles and their weights. */
-static pith_status scene_add(pack_scene *scene, const pack_piece *piece, pith_shell *owned, pith_error *err)
+static pith_status scene_add(pack_scene *scene, const pack_piece *piece, pith_error *err)
 {
-    pack_piece *to = &scene->pieces[scene->count];
+    pack_piece *to = &scene->pieces[scene->count++];
     *to = *piece;
-    scene->owned[scene->count++] = owned;
     if (!to->shell) return PITH_OK;
     to->view = pith_shell_look(to->shell);
     to->weights = pith_alloc((size_t)to->view.triangle_count + 1, sizeof *to->weights);
@@ -222,7 +215,8 @@ pith_status pack_view(pith_model *model, const pack_stamp *stamp, packet **made,
     const double start = pith_seconds();
     const pith_model_piece *from;
     size_t count;
-    PITH_TRY(pith_model_pieces(model, &from, &count, err));
+    /* Displaced skins need the solids: until those are built, the bodies show as they were cut. */
+    PITH_TRY(pith_model_pieces(model, pith_model_built(model).solid, &from, &count, err));
     const double cut = pith_seconds() - start;
     pack_scene scene;
     pith_status status = scene_make(&scene, count, err);
@@ -230,7 +224,7 @@ pith_status pack_view(pith_model *model, const pack_stamp *stamp, packet **made,
         pack_piece piece = { .body_index = from[i].body, .shell = from[i].hidden ? NULL : from[i].shell,
                              .offset = from[i].offset, .inside = from[i].inside, .hidden = from[i].hidden };
         status = pith_model_body(model, from[i].body, &piece.body, err);
-        if (status == PITH_OK) status = scene_add(&scene, &piece, NULL, err);
+        if (status == PITH_OK) status = scene_add(&scene, &piece, err);
     }
     if (status == PITH_OK) status = finish("view", &scene, stamp, cut, made, err);
     scene_clear(&scene);
@@ -239,37 +233,23 @@ pith_status pack_view(pith_model *model, const pack_stamp *stamp, packet **made,
 
 /* ---- a section --------------------------------------------------------------------------------------------------- */
 
-/* The section of one part. */
-static pith_status cut_open(const pith_part *part, const pith_plane *plane, pith_shell **section, pith_error *err)
-{
-    double *values = pith_alloc((size_t)pith_part_look(part).vertex_count + 1, sizeof *values);
-    pith_status status = values ? pith_part_plane_values(part, plane, values, err) : PITH_OUT_OF_MEMORY(err, "a section");
-    if (status == PITH_OK) status = pith_part_section(part, values, section, err);
-    pith_free(values);
-    return status;
-}
-
 pith_status pack_section(pith_model *model, const pith_plane *plane, const pack_stamp *stamp, packet **made,
                          pith_error *err)
 {
     const double start = pith_seconds();
-    const pith_volume_item *items;
-    size_t count;
-    if (!pith_finite(plane->point) || !pith_finite(plane->normal) || !(pith_length(plane->normal) > 0.0))
-        return pith_fail(err, PITH_BAD_ARGUMENT, "plane: point and normal must be finite, and the normal not zero");
-    PITH_TRY(pith_model_parts(model, &items, &count, err));
+    pith_model_piece *from = NULL;
+    size_t count = 0;
+    PITH_TRY(pith_model_section(model, plane, &from, &count, err));
+    const double cut = pith_seconds() - start;
     pack_scene scene;
     pith_status status = scene_make(&scene, count, err);
     for (size_t i = 0; status == PITH_OK && i < count; ++i) {
-        pith_shell *section = NULL;
-        status = cut_open(items[i].part, plane, &section, err);
-        if (status != PITH_OK) break;
-        pack_piece piece = { .body_index = items[i].body, .shell = section, .offset = items[i].offset };
+        pack_piece piece = { .body_index = from[i].body, .shell = from[i].shell, .offset = from[i].offset };
         status = pith_model_body(model, piece.body_index, &piece.body, err);
-        if (status == PITH_OK) status = scene_add(&scene, &piece, section, err);
-        else pith_shell_destroy(section);
+        if (status == PITH_OK) status = scene_add(&scene, &piece, err);
     }
-    if (status == PITH_OK) status = finish("section", &scene, stamp, pith_seconds() - start, made, err);
+    if (status == PITH_OK) status = finish("section", &scene, stamp, cut, made, err);
     scene_clear(&scene);
+    pith_sections_free(from, count);
     return status;
 }

@@ -19,12 +19,28 @@ static void describe(const editor *own, json_t *to)
 {
     const session *opened = own->opened;
     json_object_set_new(to, "revision", json_integer((json_int_t)session_revision(opened)));
-    json_object_set_new(to, "document", json_loads(session_present(opened)->text, 0, NULL));
+    json_object_set_new(to, "document", json_incref(session_present(opened)->root));
     json_object_set_new(to, "name", json_string(session_step_name(opened)));
     json_object_set_new(to, "undo", names(opened, session_undo_name));
     json_object_set_new(to, "redo", names(opened, session_redo_name));
     json_object_set_new(to, "saved", json_boolean(session_saved(opened)));
     json_object_set_new(to, "recovered", json_boolean(session_recovered(opened)));
+    json_object_set_new(to, "automatic", json_boolean(own->automatic));
+    json_object_set_new(to, "bodies", build_bodies(own));
+}
+
+/* What each texture type needs of a body. */
+static json_t *types(void)
+{
+    const pith_param *type = pith_params_find(&pith_lapped_params, "type");
+    json_t *all = json_object();
+    for (uint32_t i = 0; type->choices[i]; ++i) {
+        const pith_type_fields needs = pith_document_type_fields(i);
+        json_object_set_new(all, type->choices[i], json_pack("{sb sb sb sb}", "depth", needs.depth, "direction",
+                                                             needs.direction, "vectors", needs.vectors, "scale",
+                                                             needs.scale));
+    }
+    return all;
 }
 
 static void tell_document(editor *own, uint32_t by)
@@ -47,8 +63,10 @@ pith_status do_hello(editor *own, request *asked, pith_error *err)
     json_object_set_new(to, "note", json_string(session_note(own->opened)));
     json_object_set_new(to, "socket", json_integer(asked->socket));
     json_object_set_new(to, "schema", json_loads(schema, 0, NULL));
+    json_object_set_new(to, "types", types());
     describe(own, to);
     pith_free(schema);
+    viewer_hello(own->view, asked->socket);
     return PITH_OK;
 }
 
@@ -68,12 +86,16 @@ static void changed(editor *own, request *asked)
 {
     json_object_set_new(asked->answer, "revision", json_integer((json_int_t)session_revision(own->opened)));
     tell_document(own, asked->socket);
+    build_document_changed(own);
 }
 
 pith_status do_apply(editor *own, request *asked, pith_error *err)
 {
     PITH_TRY(check_revision(own, asked, err));
-    char *operations = json_dumps(json_object_get(asked->body, "operations"), JSON_COMPACT);
+    const json_t *wanted = json_object_get(asked->body, "operations");
+    const file_places places = editor_places(own);
+    PITH_TRY(files_check(&places, wanted, session_present(own->opened)->root, err));
+    char *operations = json_dumps(wanted, JSON_COMPACT);
     if (!operations) return PITH_OUT_OF_MEMORY(err, "operations");
     const pith_status status = session_apply(own->opened, request_text(asked, "name", ""), operations,
                                              strlen(operations), NULL, own, err);
@@ -108,15 +130,28 @@ pith_status do_revert(editor *own, request *asked, pith_error *err)
 
 /* ---- saving -------------------------------------------------------------------------------------------------------- */
 
+/* A copy elsewhere; the session goes on with the file it came from. */
+static pith_status save_copy(editor *own, request *asked, const char *file, pith_error *err)
+{
+    char path[4096];
+    const file_places places = editor_places(own);
+    PITH_TRY(files_place(&places, file, request_switch(asked, "force", false), path, sizeof path, err));
+    PITH_TRY(session_save_copy(own->opened, path, err));
+    json_object_set_new(asked->answer, "file", json_string(file));
+    return PITH_OK;
+}
+
 pith_status do_save(editor *own, request *asked, pith_error *err)
 {
+    const char *file = request_text(asked, "file", session_file(own->opened));
+    if (strcmp(file, session_file(own->opened)) != 0) return save_copy(own, asked, file, err);
     if (!request_switch(asked, "force", false) && !session_disk_is_known(own->opened)) {
         asked->refusal = "changed on disk";
         return pith_fail(err, PITH_IO, "%s was changed or removed by somebody else since it was read; save with force "
-                         "to replace it, or revert to it", session_file(own->opened));
+                         "to replace it, or revert to it", file);
     }
     PITH_TRY(session_save(own->opened, err));
-    json_object_set_new(asked->answer, "file", json_string(session_file(own->opened)));
+    json_object_set_new(asked->answer, "file", json_string(file));
     tell_document(own, asked->socket);
     return PITH_OK;
 }

@@ -19,17 +19,14 @@ pith_server_options pith_server_options_default(void)
     return (pith_server_options){ .cache = true, .automatic = true };
 }
 
-static void wake(void *user)
-{
-    pith_server *server = user;
-    if (server->sockets) transport_wake(server->sockets);
-}
+static void wake(void *user) { transport_wake(((pith_server *)user)->sockets); }
 
 static void on_woken(void *user)
 {
     pith_server *server = user;
     uint32_t socket;
-    for (packet *content; server->out && outbox_take(server->out, &socket, &content);) {
+    editor_woken(server->desk);
+    for (packet *content; outbox_take(server->out, &socket, &content);) {
         transport_send(server->sockets, socket, content);
         packet_release(content);
     }
@@ -52,8 +49,8 @@ static pith_status fill_server(pith_server *made, const char *path, const pith_s
     if (!options->page) return pith_fail(err, PITH_BAD_ARGUMENT, "the folder of the page is not given");
     PITH_TRY(page_files_read(options->page, &made->files, err));
     PITH_TRY(outbox_create(wake, made, &made->out, err));
-    PITH_TRY(editor_open(path, &desk, made->out, &made->desk, err));
     PITH_TRY(transport_create(options->port, made->files, &calls, &made->sockets, err));
+    PITH_TRY(editor_open(path, &desk, made->out, wake, made, &made->desk, err));
     snprintf(made->address, sizeof made->address, "http://127.0.0.1:%u/#%s", transport_port(made->sockets),
              transport_token(made->sockets));
     return PITH_OK;

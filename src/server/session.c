@@ -34,12 +34,12 @@ void document_release(held_document *shared)
     counted *own = (counted *)shared;
     if (!own || atomic_fetch_sub_explicit(&own->holders, 1, memory_order_acq_rel) != 1) return;
     pith_document_destroy(shared->document);
+    json_decref(shared->root);
     pith_free(shared->text);
     pith_free(own);
 }
 
-/* Takes the document over, also after a failure. */
-static pith_status count_document(pith_document *document, held_document **made, pith_error *err)
+pith_status document_count(pith_document *document, held_document **made, pith_error *err)
 {
     counted *own = pith_alloc(1, sizeof *own);
     if (!own) {
@@ -48,7 +48,9 @@ static pith_status count_document(pith_document *document, held_document **made,
     }
     atomic_init(&own->holders, 1);
     own->shown.document = document;
-    const pith_status status = pith_document_json(document, &own->shown.text, err);
+    pith_status status = pith_document_json(document, &own->shown.text, err);
+    if (status == PITH_OK && !(own->shown.root = json_loads(own->shown.text, 0, NULL)))
+        status = PITH_OUT_OF_MEMORY(err, "a document");
     if (status == PITH_OK) *made = &own->shown;
     else document_release(&own->shown);
     return status;
@@ -227,7 +229,7 @@ pith_status session_apply(session *opened, const char *name, const char *operati
         pith_document_destroy(edited);
         return status;
     }
-    PITH_TRY(count_document(edited, &held, err));
+    PITH_TRY(document_count(edited, &held, err));
     return add_step(opened, name, held, err);
 }
 
@@ -238,7 +240,7 @@ static pith_status go_to(session *own, size_t index, pith_error *err)
     if (!to->held) {
         pith_document *again = NULL;
         PITH_TRY(pith_document_parse(own->path, to->text, strlen(to->text), &again, err));
-        PITH_TRY(count_document(again, &to->held, err));
+        PITH_TRY(document_count(again, &to->held, err));
     }
     PITH_TRY(keep_unsaved(own, to->held->text, err));
     set_present(own, index, document_hold(to->held));
@@ -270,7 +272,7 @@ static pith_status read_disk(session *own, held_document **held, pith_error *err
     const uint64_t hash = pith_hash_bytes(bytes, size, 0);
     pith_free(bytes);
     held_document *made = NULL;
-    if (status == PITH_OK) status = count_document(document, &made, err);
+    if (status == PITH_OK) status = document_count(document, &made, err);
     char *text = NULL;
     if (status == PITH_OK) status = pith_document_json(made->document, &text, err);
     if (status != PITH_OK) {
@@ -343,7 +345,7 @@ static pith_status recover(session *own, pith_error *err)
     pith_status status = pith_file_read(own->unsaved, &bytes, &size, &why);
     if (status == PITH_OK) status = pith_document_parse(own->path, (const char *)bytes, size, &document, &why);
     pith_free(bytes);
-    if (status == PITH_OK) status = count_document(document, &held, &why);
+    if (status == PITH_OK) status = document_count(document, &held, &why);
     if (status == PITH_OK && strcmp(held->text, own->disk_text) == 0) {
         document_release(held);
         return keep_unsaved(own, own->disk_text, err);

@@ -5,15 +5,21 @@
 #ifndef PITH_SERVER_SESSION_H
 #define PITH_SERVER_SESSION_H
 
+#include <jansson.h>
+
 #include "pith/document.h"
 
-/* A document that is counted, with its text (as pith_document_json gives it). */
+/* A document that is counted, with its text (as pith_document_json gives it) and the same as JSON. Nobody changes any of
+   it; the JSON is only looked at, in whatever thread, and handed on as copies or as text. */
 typedef struct held_document {
     pith_document *document;
     char *text;
+    json_t *root;
 } held_document;
 held_document *document_hold(held_document *shared);    /* NULL is allowed, in both; from any thread */
 void document_release(held_document *shared);
+/* Takes the document over, also after a failure. */
+pith_status document_count(pith_document *document, held_document **made, pith_error *err);
 
 typedef struct session session;
 

@@ -186,6 +186,50 @@ static void test_vertex_normals(void **state)
     }
 }
 
+/* In a square of two triangles: as many as asked for, inside their triangle, evenly: the mean distance to the diagonal
+   and its square are those of a triangle. */
+static void test_scattered_points(void **state)
+{
+    (void)state;
+    static const pith_vec3 corners[5] = { { 0, 0, 3 }, { 10, 0, 3 }, { 10, 10, 3 }, { 0, 10, 3 }, { 5, 5, 3.001 } };
+    static const uint32_t square[3][3] = { { 0, 1, 2 }, { 0, 2, 3 }, { 0, 2, 4 } }; /* the last is thin */
+    const pith_mesh_view view = { .positions = corners, .triangles = square, .vertex_count = 5, .triangle_count = 3 };
+    pith_mesh *mesh = NULL;
+    pith_vec3 *points = NULL, *again = NULL;
+    size_t count = 0;
+    CHECK_OK(pith_mesh_create(&view, &mesh, &err));
+    CHECK_FAILS(pith_mesh_scatter(mesh, 0.0, 1, &points, &count, &err), PITH_BAD_ARGUMENT, "more than 0");
+    CHECK_FAILS(pith_mesh_scatter(mesh, NAN, 1, &points, &count, &err), PITH_BAD_ARGUMENT, "more than 0");
+    pith_memory_fail_after(0);
+    const pith_status failed = pith_mesh_scatter(mesh, 0.1, 1, &points, &count, &err);
+    pith_memory_fail_after(SIZE_MAX);
+    assert_int_equal(failed, PITH_NO_MEMORY);
+    assert_true(!points && count == 0);
+    CHECK_OK(pith_mesh_scatter(mesh, 0.1, 1, &points, &count, &err));
+    assert_int_equal(count, 501 + 501 + 1);
+    double sum = 0, squares = 0;
+    for (size_t i = 0; i < count - 1; ++i) {
+        const pith_vec3 p = points[i];
+        assert_true(p.x >= 0 && p.x <= 10 && p.y >= 0 && p.y <= 10 && (i < 501 ? p.x >= p.y : p.y >= p.x));
+        CHECK_NEAR(p.z, 3, 0);
+        sum += fabs(p.x - p.y) / 1002;
+        squares += (p.x - p.y) * (p.x - p.y) / 1002;
+    }
+    CHECK_NEAR(sum, 10.0 / 3, 0.2); /* of 1002 independent places; a deviation is 0.075 */
+    CHECK_NEAR(squares, 100.0 / 6, 1.7);
+    CHECK_OK(pith_mesh_scatter(mesh, 0.1, 1, &again, &count, &err));
+    assert_memory_equal(points, again, count * sizeof *points);
+    pith_free(again);
+    CHECK_OK(pith_mesh_scatter(mesh, 0.1, 2, &again, &count, &err));
+    assert_memory_not_equal(points, again, count * sizeof *points);
+    pith_free(again);
+    pith_free(points);
+    CHECK_OK(pith_mesh_scatter(mesh, 1e-9, 1, &points, &count, &err));
+    assert_int_equal(count, 3 * 1001);
+    pith_free(points);
+    pith_mesh_destroy(mesh);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -196,6 +240,7 @@ int main(void)
         cmocka_unit_test(test_dents_bumps_and_corners),
         cmocka_unit_test(test_fruit_options_are_checked),
         cmocka_unit_test(test_vertex_normals),
+        cmocka_unit_test(test_scattered_points),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -8,7 +8,11 @@ precision highp usampler2D;
 uniform usampler2D layers;      // records of four words, LAYER_WIDTH in a row
 uniform sampler2D patches;      // offsets along r, s, t; mask + 1024 * exemplar
 uniform sampler3D masks;        // 48 cells a mask, one behind the other, 32 to a column
+#ifdef LAYERED
+uniform highp sampler2DArray exemplar;  // an image of r and t for each row of s
+#else
 uniform sampler3D exemplar;
+#endif
 uniform ivec3 maskGrid;         // cells of the whole texture
 uniform float rtUnit, sUnit;
 #ifdef CUTS
@@ -87,10 +91,44 @@ Layer layerAt(inout int i, vec3 corner, vec3 dx, vec3 dy, float depth, vec2 slop
     return layer;
 }
 
+#ifdef LAYERED
+vec4 filtered(vec3 at, vec2 dx, vec2 dy)
+{
+#ifdef PLAIN
+    vec2 size = vec2(textureSize(exemplar, 0).xy);
+    return textureLod(exemplar, at, 0.5 * log2(max(dot(dx * size, dx * size), dot(dy * size, dy * size))));
+#else
+    return textureGrad(exemplar, at, dx, dy);
+#endif
+}
+
+/* Types 1 are filtered over r and t alone: a skin two voxels thick must not take the colour of the flesh under it because
+   it is seen from afar. Along s a few rows are looked at, as many as the pixel spans. */
 vec4 exemplarAt(Layer layer)
 {
-    return textureGrad(exemplar, layer.rst + layer.about.xyz, layer.dx, layer.dy);
+    vec3 at = layer.rst + layer.about.xyz;
+    float rows = float(textureSize(exemplar, 0).z), span = max(abs(layer.dx.y), abs(layer.dy.y)) * rows;
+    int taps = int(clamp(ceil(span), 1.0, 4.0));
+    vec4 sum = vec4(0.0);
+    for (int i = 0; i < taps; ++i) {
+        float row = clamp(at.y * rows - 0.5 + ((float(i) + 0.5) / float(taps) - 0.5) * span * float(taps > 1), 0.0, rows - 1.0);
+        float low = floor(row);
+        vec4 a = filtered(vec3(at.xz, low), layer.dx.xz, layer.dy.xz), b = filtered(vec3(at.xz, low + 1.0), layer.dx.xz, layer.dy.xz);
+        sum += mix(a, b, row - low);
+    }
+    return sum / float(taps);
 }
+#else
+vec4 exemplarAt(Layer layer)
+{
+#ifdef PLAIN
+    vec3 size = vec3(textureSize(exemplar, 0)), dx = layer.dx * size, dy = layer.dy * size;
+    return textureLod(exemplar, layer.rst + layer.about.xyz, 0.5 * log2(max(dot(dx, dx), dot(dy, dy))));
+#else
+    return textureGrad(exemplar, layer.rst + layer.about.xyz, layer.dx, layer.dy);
+#endif
+}
+#endif
 
 #ifdef PASTES
 vec4 pasteAt(Layer layer, int which)
@@ -133,7 +171,7 @@ vec4 lappedColour(uvec2 records, vec3 corner, float depth)
     float blendedWeight = 0.0, squares = 0.0;
 #endif
     int i = int(records.x), end = int(records.x + records.y);
-    for (int guard = 0; guard < 512 && i < end && through > 0.0; ++guard) {
+    for (int guard = 0; guard < 512 && i < end && through > 0.004; ++guard) {
         Layer layer = layerAt(i, corner, dx, dy, depth, slope);
         int mask = int(layer.about.w) & 1023, which = int(layer.about.w) >> 10;
         float alpha = layer.whole ? 1.0 : 0.0;

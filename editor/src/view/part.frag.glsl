@@ -16,7 +16,6 @@ uniform bool hasDepth, hasPaint, showIsolines, showEdges, picked, stale, unlit;
 uniform float opacity;
 uniform sampler2D painted;      // depth painted on each face, PAINT_WIDTH in a row; negative: none
 uniform vec4 clip;              // clip plane in material coordinates; zero normal: none
-uniform vec4 brush;             // where a brush is, and its radius; 0: nowhere
 uniform vec3 accent;
 #ifdef GHOST
 uniform mat4 ghostMatrix;       // material coordinates to texture coordinates
@@ -122,9 +121,5 @@ void main()
         colour *= mix(0.72, 1.0, smoothstep(0.6, 1.4, min(edge.x, min(edge.y, edge.z))));
     }
     if (picked) colour = mix(colour, accent, 0.08 + 0.5 * pow(1.0 - max(0.0, dot(normal, eye)), 3.0));
-    if (brush.w > 0.0) {
-        float away = distance(vWorld, brush.xyz) / brush.w;
-        colour = mix(colour, accent, 0.8 * (1.0 - smoothstep(0.0, 1.5, abs(away - 1.0) / max(fwidth(away), 1e-6))));
-    }
     result = vec4(toSrgb(clamp(colour, 0.0, 1.0)), opacity);
 }

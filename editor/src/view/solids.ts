@@ -10,6 +10,10 @@ export const LAYER_WIDTH = 2048;    // as in lapped.glsl
 export const PAINT_WIDTH = 1024;    // as in part.frag.glsl
 const MASKS_DEEP = 32;              // masks one behind the other
 
+/** How exemplars seen at a slant are filtered; a renderer in software has it plain. */
+let anisotropy = 8;
+export function setAnisotropy(most: number): void { anisotropy = most; }
+
 /** Uniforms that all parts share: one object each, set once for all. */
 export interface Shared {
   [name: string]: THREE.IUniform;
@@ -20,7 +24,6 @@ export interface Shared {
   showEdges: { value: boolean };
   unlit: { value: boolean };
   clip: { value: THREE.Vector4 };
-  brush: { value: THREE.Vector4 };
   accent: { value: THREE.Vector3 };
   opacity: { value: number };
 }
@@ -29,7 +32,7 @@ export function sharedUniforms(): Shared {
   return {
     lightDirection: { value: new THREE.Vector3(0, 0, 1) }, upDirection: { value: new THREE.Vector3(0, 0, 1) },
     mode: { value: 0 }, showIsolines: { value: true }, showEdges: { value: false }, unlit: { value: false },
-    clip: { value: new THREE.Vector4(0, 0, 0, 0) }, brush: { value: new THREE.Vector4(0, 0, 0, 0) },
+    clip: { value: new THREE.Vector4(0, 0, 0, 0) },
     accent: { value: new THREE.Vector3(0.25, 0.55, 1) }, opacity: { value: 1 },
   };
 }
@@ -64,6 +67,22 @@ function volumeTexture(values: TypedArray, size: number[], wrapS: boolean): THRE
   texture.wrapT = wrapS ? THREE.RepeatWrapping : THREE.ClampToEdgeWrapping;
   texture.minFilter = THREE.LinearMipmapLinearFilter;
   texture.generateMipmaps = true;
+  return texture;
+}
+
+/* An exemplar of types 1 as images of r and t, one for each row of s. */
+function layeredTexture(values: Uint8Array, size: number[]): THREE.DataArrayTexture {
+  const [r, s, t] = size, sorted = new Uint8Array(values.length);
+  for (let k = 0; k < t; ++k)
+    for (let j = 0; j < s; ++j) sorted.set(values.subarray((k * s + j) * r * 4, (k * s + j + 1) * r * 4), (j * t + k) * r * 4);
+  const texture = new THREE.DataArrayTexture(sorted, r, t, s);
+  texture.format = THREE.RGBAFormat;
+  texture.colorSpace = THREE.SRGBColorSpace;
+  settled(texture, THREE.LinearFilter);
+  texture.wrapS = texture.wrapT = THREE.RepeatWrapping;
+  texture.minFilter = THREE.LinearMipmapLinearFilter;
+  texture.generateMipmaps = true;
+  texture.anisotropy = anisotropy;
   return texture;
 }
 
@@ -150,8 +169,9 @@ export class BodySolid {
     Object.assign(this.uniforms, {
       patches: { value: tableTexture(arrays.patches, 1024, THREE.RGBAFormat, THREE.FloatType, 'RGBA32F') },
       masks: { value: masks.texture }, maskGrid: { value: masks.grid },
-      exemplar: { value: volumeTexture(arrays.exemplar0, own.size, own.wraps) },
+      exemplar: { value: own.wraps ? volumeTexture(arrays.exemplar0, own.size, true) : layeredTexture(arrays.exemplar0 as Uint8Array, own.size) },
     });
+    if (!own.wraps) this.defines.LAYERED = 1;
     this.defines.LAPPED = 1;
     this.defines.HOMOGENEOUS = head.homogeneous ? 'true' : 'false';
     if (head.cut_count > 0) {
@@ -198,7 +218,7 @@ export function partMaterial(shared: Shared, solid: BodySolid | null, own: { [na
     glslVersion: THREE.GLSL3,
     vertexShader: partVertex,
     fragmentShader: partFragment.slice(0, split) + lapped + partFragment.slice(split),
-    defines: { ...solid?.defines, ...defines },
+    defines: { ...solid?.defines, ...defines, ...(anisotropy > 1 ? {} : { PLAIN: 1 }) },
     uniforms: { ...shared, ...solid?.uniforms, ...own },
     side: THREE.DoubleSide,
   });

@@ -8,7 +8,7 @@ import { Hands, Turntable } from './camera';
 import { Overlay } from './overlay';
 import { bareView, BodyMesh, View, type ViewPart } from './parts';
 import { meet, normalOf } from './pick';
-import { BodySolid, sharedUniforms } from './solids';
+import { BodySolid, setAnisotropy, sharedUniforms } from './solids';
 import { layerMesh, lineObject } from './looks';
 
 /** An exemplar shown where it would be set: its texture, and where its cube stands. */
@@ -37,6 +37,10 @@ export class Viewport {
   onView: (() => void)[] = [];
 
   private readonly renderer: THREE.WebGLRenderer;
+  /** Drawn in software: coarsely while something moves, finely when it has come to rest. */
+  readonly slow: boolean;
+  private coarse = false;
+  private rest = 0;
   private readonly scene = new THREE.Scene();
   private readonly shared = sharedUniforms();
   private readonly floor: THREE.Mesh;
@@ -55,10 +59,12 @@ export class Viewport {
 
   constructor() {
     this.element.className = 'viewport';
-    this.renderer = new THREE.WebGLRenderer({ antialias: true, alpha: true, powerPreference: 'high-performance' });
+    this.slow = drawsInSoftware();
+    this.renderer = new THREE.WebGLRenderer({ antialias: !this.slow, alpha: true, powerPreference: 'high-performance' });
     this.renderer.outputColorSpace = THREE.LinearSRGBColorSpace; // the parts' shader encodes by itself
     this.renderer.setClearColor(0x000000, 0);
     this.canvas = this.renderer.domElement;
+    setAnisotropy(this.slow ? 1 : Math.min(8, this.renderer.capabilities.getMaxAnisotropy()));
     this.canvas.tabIndex = 0;
     this.canvas.setAttribute('aria-label', 'The model. Drag to turn it, with the right button in any tool.');
     this.overlay = new Overlay(this.table.camera);
@@ -66,7 +72,10 @@ export class Viewport {
     this.floor = shadowOnTheFloor();
     this.scene.add(this.floor);
     this.hands = new Hands(this.table, this.element, (x, y) => this.hit(x, y)?.world);
-    this.table.onChange = () => this.invalidate();
+    this.table.onChange = () => {
+      this.moved = performance.now();
+      this.invalidate();
+    };
     this.element.addEventListener('pointerdown', () => { this.touched = this.view !== null; }, { capture: true });
     this.element.addEventListener('wheel', () => { this.touched = this.view !== null; }, { capture: true, passive: true });
     new ResizeObserver(() => this.resize()).observe(this.element);
@@ -196,10 +205,16 @@ export class Viewport {
     this.invalidate();
   }
 
-  /** Where the brush is, a ring of this radius (world); null: nowhere. */
-  brush(at: THREE.Vector3 | null, radius = 0): void {
-    this.shared.brush.value.set(at?.x ?? 0, at?.y ?? 0, at?.z ?? 0, at ? radius : 0);
-    this.invalidate();
+  /** Where the brush is: a ring of this radius (world) on the surface; null: nowhere. */
+  brush(at: THREE.Vector3 | null, radius = 0, normal?: THREE.Vector3): void {
+    if (!at) return this.overlay.show('brush', null);
+    const n = normal ?? this.table.camera.position.clone().sub(at).normalize();
+    const u = new THREE.Vector3(Math.abs(n.x) < 0.8 ? 1 : 0, Math.abs(n.x) < 0.8 ? 0 : 1, 0).cross(n).normalize(), v = n.clone().cross(u);
+    const ring = Array.from({ length: 40 }, (_, i) => {
+      const angle = (i / 40) * 2 * Math.PI;
+      return at.clone().addScaledVector(u, radius * Math.cos(angle)).addScaledVector(v, radius * Math.sin(angle));
+    });
+    this.overlay.show('brush', [{ points: ring, colour: '#ffffff', width: 1.5, closed: true }]);
   }
 
   /** Shows painted depths on faces of a body at once. depth below 0: without paint. */
@@ -305,6 +320,7 @@ export class Viewport {
 
   private draw(): void {
     this.wanted = false;
+    if (this.slow) this.chooseFineness();
     const start = performance.now(), { camera } = this.table;
     const arm = camera.position.clone().sub(this.table.target), { up } = this.table;
     const level = arm.addScaledVector(up, -arm.dot(up)).normalize();
@@ -319,9 +335,22 @@ export class Viewport {
     for (const call of this.onDraw) call(took);
   }
 
+  private get ratio(): number { return Math.min(window.devicePixelRatio, 2); }
+
+  private chooseFineness(): void {
+    const moving = performance.now() - this.moved < 250;
+    if (moving) {
+      clearTimeout(this.rest);
+      this.rest = window.setTimeout(() => this.invalidate(), 300);
+    }
+    if (this.coarse !== moving) this.renderer.setPixelRatio((this.coarse = moving) ? this.ratio / 3 : this.ratio);
+  }
+  private moved = -Infinity;
+
   private resize(): void {
-    const { clientWidth: width, clientHeight: height } = this.element, ratio = Math.min(window.devicePixelRatio, 2);
+    const { clientWidth: width, clientHeight: height } = this.element, { ratio } = this;
     if (width === 0 || height === 0) return;
+    this.coarse = false;
     this.renderer.setPixelRatio(ratio);
     this.renderer.setSize(width, height);
     this.overlay.resize(width, height, ratio);
@@ -341,9 +370,20 @@ export class Viewport {
 
   /** The picture as it is, as a PNG. */
   picture(): Promise<Blob> {
+    this.moved = -Infinity;
     this.draw();
     return new Promise((resolve, reject) => this.canvas.toBlob((blob) => (blob ? resolve(blob) : reject(new Error('no picture'))), 'image/png'));
   }
+}
+
+/* Is there no graphics card? Asked of a context of its own, because the real one is made by the answer. */
+function drawsInSoftware(): boolean {
+  const gl = document.createElement('canvas').getContext('webgl2');
+  if (!gl) return true;
+  const names = gl.getExtension('WEBGL_debug_renderer_info');
+  const renderer = String(gl.getParameter(names?.UNMASKED_RENDERER_WEBGL ?? gl.RENDERER));
+  gl.getExtension('WEBGL_lose_context')?.loseContext();
+  return /swiftshader|llvmpipe|software|basic render/i.test(renderer);
 }
 
 /* A soft shadow under the model, so that it stands somewhere. */

@@ -1,5 +1,5 @@
-/* Layers of depth and the body's skin as meshes. */
-#include "field.h"
+/* Layers of depth and what is seen of a body as meshes, coloured by depth. */
+#include "look_internal.h"
 
 #include <string.h>
 
@@ -54,16 +54,16 @@ static uint32_t gather_corner(gathering *g, const pith_shell_view *shell, uint32
     return made;
 }
 
-/* Colours by depth; the pale part is white, and bodies without depth are grey. */
-static pith_status colour_vertices(const field *from, gathering *g, double pale, pith_error *err)
+/* By depth; bodies without depth are grey. */
+static pith_status colour_vertices(const pith_look *look, gathering *g, pith_error *err)
 {
     double *depths = pith_alloc(g->vertex_count, sizeof *depths);
     if (!depths) return PITH_OUT_OF_MEMORY(err, "colours");
-    const pith_status status = field_depths(from, g->material, g->vertex_count, depths, err);
+    const pith_status status = pith_look_depths(look, g->material, g->vertex_count, depths, err);
     for (uint32_t v = 0; status == PITH_OK && v < g->vertex_count; ++v) {
         float colour[3] = { 0.5f, 0.5f, 0.5f };
-        if (from->depth) field_palette(depths[v], colour);
-        for (int c = 0; c < 3; ++c) g->colours[v][c] = (float)(pale * 0.85 + (1.0 - pale) * (double)colour[c]);
+        if (look->view.depth) pith_look_colour(depths[v], colour);
+        for (int c = 0; c < 3; ++c) g->colours[v][c] = colour[c];
         g->colours[v][3] = 1.0f;
     }
     pith_free(depths);
@@ -71,15 +71,13 @@ static pith_status colour_vertices(const field *from, gathering *g, double pale,
 }
 
 /* Normals against the slope of depth: those of thin triangles are anybody's guess. */
-static pith_status turn_to_slope(const field *from, gathering *g, pith_error *err)
+static pith_status turn_to_slope(const pith_look *look, gathering *g, pith_error *err)
 {
     uint32_t *tets = pith_alloc(g->vertex_count, sizeof *tets);
     double (*weights)[4] = pith_alloc(g->vertex_count, sizeof *weights);
-    if (tets && weights) pith_locator_find(from->locator, g->material, g->vertex_count, INFINITY, tets, weights);
+    if (tets && weights) pith_locator_find(look->view.locator, g->material, g->vertex_count, INFINITY, tets, weights);
     for (uint32_t v = 0; tets && weights && v < g->vertex_count; ++v) {
-        pith_vec3 slope = { 0, 0, 0 };
-        for (int k = 0; tets[v] != PITH_NONE && k < 4; ++k)
-            slope = pith_madd(slope, from->gradient[from->view.tets[tets[v]][k]], weights[v][k]);
+        const pith_vec3 slope = look_slope_at(look, tets[v], weights[v]).gradient;
         g->normals[v] = pith_scale(pith_unit(slope), -1.0);
         if (!(pith_length(slope) > 0.0)) g->normals[v] = pith_v3(0, 0, 1);
     }
@@ -90,7 +88,7 @@ static pith_status turn_to_slope(const field *from, gathering *g, pith_error *er
 }
 
 /* layer: the shell's section is a layer of depth. */
-static pith_status shell_mesh(const field *from, const pith_shell *shell, pith_face_kind kind, double pale, bool layer,
+static pith_status shell_mesh(const pith_look *look, const pith_shell *shell, uint32_t kinds, bool layer,
                               pith_mesh **mesh, pith_error *err)
 {
     const pith_shell_view view = pith_shell_look(shell);
@@ -100,12 +98,12 @@ static pith_status shell_mesh(const field *from, const pith_shell *shell, pith_f
     if (status == PITH_OK && !layer) status = pith_shell_normals(shell, crease, normals, err);
     if (status == PITH_OK && !gathering_make(&g, &view)) status = PITH_OUT_OF_MEMORY(err, "a surface");
     for (uint32_t t = 0; status == PITH_OK && t < view.triangle_count; ++t) {
-        if (view.kinds[t] != kind) continue;
+        if (!(kinds & PITH_LOOK_AT(view.kinds[t]))) continue;
         uint32_t *to = g.triangles[g.triangle_count++];
         for (int k = 0; k < 3; ++k) to[k] = gather_corner(&g, &view, view.triangles[t][k], normals[t][k]);
     }
-    if (status == PITH_OK && layer) status = turn_to_slope(from, &g, err);
-    if (status == PITH_OK) status = colour_vertices(from, &g, pale, err);
+    if (status == PITH_OK && layer) status = turn_to_slope(look, &g, err);
+    if (status == PITH_OK) status = colour_vertices(look, &g, err);
     const pith_mesh_view made = { .positions = g.positions, .normals = g.normals,
                                   .colours = (const float (*)[4])g.colours,
                                   .triangles = (const uint32_t (*)[3])g.triangles, .vertex_count = g.vertex_count,
@@ -116,45 +114,38 @@ static pith_status shell_mesh(const field *from, const pith_shell *shell, pith_f
     return status;
 }
 
-pith_status field_shell_mesh(const field *from, const pith_shell *shell, pith_face_kind kind, double pale,
-                             pith_mesh **mesh, pith_error *err)
+pith_status pith_look_shell(const pith_look *look, const pith_shell *shell, uint32_t kinds, pith_mesh **mesh,
+                            pith_error *err)
 {
-    return shell_mesh(from, shell, kind, pale, false, mesh, err);
+    return shell_mesh(look, shell, kinds, false, mesh, err);
 }
 
-/* The section of the body's deeper part looks towards the outside. */
-pith_status field_layer_mesh(const field *from, const pith_part *part, double level, pith_mesh **mesh, pith_error *err)
+/* ---- layers ------------------------------------------------------------------------------------------------------ */
+
+/* Where the layer lies: on the body's deeper side, whose section looks towards the outside. */
+pith_status pith_look_layer(const pith_look *look, const pith_part *part, double level, pith_mesh **mesh,
+                            pith_error *err)
 {
-    const pith_part_view view = pith_part_look(part);
+    if (!look->view.depth)
+        return pith_fail(err, PITH_BAD_ARGUMENT,
+                         "a layer needs a depth field, and the document has no \"depth\" for the body");
+    if (!(level > look->view.lowest && level < look->view.highest))
+        return pith_fail(err, PITH_BAD_ARGUMENT,
+                         "there is no layer of depth %g inside the body: its depth goes from %g to %g", level,
+                         look->view.lowest, look->view.highest);
+    const bool whole = !part || part == look->part;
+    const pith_part_view view = pith_part_look(whole ? look->part : part);
     double *values = pith_alloc(view.vertex_count, sizeof *values);
     pith_shell *deeper = NULL;
     if (!values) return PITH_OUT_OF_MEMORY(err, "a layer");
     pith_status status = PITH_OK;
-    if (part == from->part) memcpy(values, from->depth, view.vertex_count * sizeof *values);
-    else status = field_depths(from, view.material, view.vertex_count, values, err);
+    if (whole) memcpy(values, look->view.depth, view.vertex_count * sizeof *values);
+    else status = pith_look_depths(look, view.material, view.vertex_count, values, err);
     for (uint32_t v = 0; v < view.vertex_count; ++v) values[v] -= level;
-    if (status == PITH_OK) status = pith_part_cut(part, values, NULL, &deeper, err);
-    if (status == PITH_OK) status = shell_mesh(from, deeper, PITH_SECTION, 0.0, true, mesh, err);
+    if (status == PITH_OK) status = pith_part_cut(whole ? look->part : part, values, NULL, &deeper, err);
+    if (status == PITH_OK)
+        status = shell_mesh(look, deeper, PITH_LOOK_AT(PITH_SECTION), true, mesh, err);
     pith_shell_destroy(deeper);
     pith_free(values);
     return status;
-}
-
-pith_status field_make_layers(field *to, pith_error *err)
-{
-    double low = INFINITY, high = -INFINITY;
-    for (uint32_t v = 0; to->layered && v < to->view.vertex_count; ++v) {
-        low = fmin(low, to->depth[v]);
-        high = fmax(high, to->depth[v]);
-    }
-    for (int i = 0; to->layered && i < to->layer_count; ++i) {
-        field_layer *layer = &to->layers[i];
-        if (!(layer->level > low && layer->level < high))
-            return pith_fail(err, PITH_BAD_ARGUMENT,
-                             "there is no layer of depth %g inside the body: its depth goes from %g "
-                             "to %g",
-                             layer->level, low, high);
-        PITH_TRY(field_layer_mesh(to, to->part, layer->level, &layer->mesh, err));
-    }
-    return PITH_OK;
 }

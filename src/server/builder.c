@@ -1,0 +1,390 @@
+/* The building thread: its queue, its jobs, and what it tells about them. */
+#include "builder.h"
+
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "bodies.h"
+
+/* Seconds between two tellings of how far a job is. */
+static const double telling = 0.05;
+
+typedef struct job {
+    uint32_t number;
+    job_kind kind;
+    held_document *held;
+    uint64_t signature;
+    picture_wish picture;
+    atomic_bool cancelled;
+    double started, told;       /* of the builder's thread */
+    size_t body;                /* which is being built */
+    struct job *next;
+} job;
+
+struct builder {
+    outbox *out;
+    bool cache;
+    builder_calls calls;
+    pthread_t thread;
+    pthread_mutex_t lock;       /* of everything down to `done` */
+    pthread_cond_t more;
+    bool ending;
+    uint32_t last_number;
+    job *waiting, *running;
+    builder_failure failure;
+    uint64_t done;              /* signature of the update of solids that was the last to begin, when it is done; else 0 */
+    built_model *stock;         /* of the builder's thread: what was built last */
+};
+
+void built_model_destroy(built_model *gone)
+{
+    if (!gone) return;
+    pith_model_destroy(gone->model);
+    document_release(gone->held);
+    pith_free(gone);
+}
+
+pith_status built_model_create(held_document *held, built_model **made, pith_error *err)
+{
+    built_model *own = pith_alloc(1, sizeof *own);
+    if (!own) return PITH_OUT_OF_MEMORY(err, "a model");
+    own->held = document_hold(held);
+    const pith_model_options options = { .cache = false };
+    const pith_status status = pith_model_create(held->document, &options, NULL, &own->model, err);
+    if (status == PITH_OK) *made = own;
+    else built_model_destroy(own);
+    return status;
+}
+
+static void job_destroy(job *gone)
+{
+    document_release(gone->held);
+    document_release(gone->picture.held);
+    pith_free(gone);
+}
+
+/* ---- telling ------------------------------------------------------------------------------------------------------- */
+
+static json_t *seconds_json(double seconds) { return seconds >= 0 ? json_real(seconds) : json_null(); }
+
+static json_t *times_json(const pith_model_times *times)
+{
+    return json_pack("{so so so so so so}", "shape", seconds_json(times->shape), "tets", seconds_json(times->tets),
+                     "fields", seconds_json(times->fields), "exemplar", seconds_json(times->exemplar), "fill",
+                     seconds_json(times->fill), "cut", seconds_json(times->cut));
+}
+
+/* The event; `more` (may be NULL) is taken over and its keys added. */
+static void tell(const builder *own, const job *at, const char *state, double fraction, const char *text, json_t *more)
+{
+    static const char *const words[] = { [JOB_FIELDS] = "fields", [JOB_SOLID] = "solid", [JOB_PICTURE] = "picture" };
+    const double seconds = at->started > 0 ? pith_seconds() - at->started : 0.0;
+    json_t *event = json_pack("{ss sI ss ss sf ss sf}", "event", "job", "job", (json_int_t)at->number, "what",
+                              words[at->kind], "state", state, "fraction", fraction, "text", text, "seconds", seconds);
+    if (event && more) json_object_update(event, more);
+    json_decref(more);
+    packet *made = NULL;
+    if (packet_of_json(event, &made, NULL) == PITH_OK) packet_set_slot(made, "job/%u", at->number);
+    outbox_put(own->out, OUTBOX_ALL, made);
+}
+
+typedef struct reporter { builder *own; job *at; } reporter;
+
+static bool report(void *user, double fraction, const char *what)
+{
+    const reporter *to = user;
+    const double now = pith_seconds();
+    if (now - to->at->told >= telling) {
+        to->at->told = now;
+        tell(to->own, to->at, "running", fraction, what, NULL);
+    }
+    return !atomic_load(&to->at->cancelled);
+}
+
+/* ---- building ------------------------------------------------------------------------------------------------------ */
+
+/* A model that shares what this one has so far. */
+static pith_status copy_of(const pith_model *model, held_document *held, built_model **made, pith_error *err)
+{
+    PITH_TRY(built_model_create(held, made, err));
+    pith_model_share((*made)->model, model);
+    return PITH_OK;
+}
+
+/* What there is so far goes to whoever shows it. */
+static pith_status hand_over(builder *own, const job *at, const pith_model *model, bool final, pith_error *err)
+{
+    built_model *copy = NULL;
+    PITH_TRY(copy_of(model, at->held, &copy, err));
+    copy->final = final;
+    own->calls.arrived(own->calls.user, copy);
+    return PITH_OK;
+}
+
+/* One stage of every body. */
+static pith_status build_stage(job *at, pith_model *model, char stage, pith_error *err)
+{
+    for (at->body = 0; at->body < pith_model_bodies(model); ++at->body) {
+        pith_model *body = NULL;
+        PITH_TRY(pith_model_body(model, at->body, &body, err));
+        if (stage == 'm') PITH_TRY(pith_model_mesh(body, NULL, NULL, err));
+        if (stage == 'f') {
+            PITH_TRY(pith_model_tets(body, NULL, NULL, err));
+            if (body_has_depth(at->held, at->body)) PITH_TRY(pith_model_fields(body, NULL, NULL, NULL, err));
+            PITH_TRY(pith_model_directions(body, NULL, err));
+            PITH_TRY(pith_model_scale(body, NULL, err));
+        }
+        if (stage == 's' && body_has_solid(at->held, at->body)) PITH_TRY(pith_model_solid(body, NULL, err));
+    }
+    return PITH_OK;
+}
+
+static pith_status build(builder *own, job *at, pith_model *model, pith_error *err)
+{
+    static const char stages[] = "mfs";
+    for (size_t i = 0; stages[i] && !(stages[i] == 's' && at->kind == JOB_FIELDS); ++i) {
+        PITH_TRY(build_stage(at, model, stages[i], err));
+        const bool last = at->kind == JOB_FIELDS ? stages[i] == 'f' : stages[i] == 's';
+        PITH_TRY(hand_over(own, at, model, last, err));
+    }
+    return PITH_OK;
+}
+
+/* What this job has built is there for the next one, also after a failure. */
+static void keep_stock(builder *own, const job *at, const pith_model *model)
+{
+    built_model *copy = NULL;
+    if (copy_of(model, at->kind == JOB_PICTURE ? at->picture.held : at->held, &copy, NULL) != PITH_OK) return;
+    if (own->stock) pith_model_share(copy->model, own->stock->model);
+    built_model_destroy(own->stock);
+    own->stock = copy;
+}
+
+/* What came of an update; message: why it failed, NULL when it did not. */
+static void remember(builder *own, const job *at, const char *message)
+{
+    pthread_mutex_lock(&own->lock);
+    own->failure = (builder_failure){ .signature = message ? at->signature : 0, .body = at->body };
+    if (message) snprintf(own->failure.message, sizeof own->failure.message, "%s", message);
+    if (!message && at->kind == JOB_SOLID) own->done = at->signature;
+    pthread_mutex_unlock(&own->lock);
+}
+
+static void remember_start(builder *own, const job *at)
+{
+    if (at->kind == JOB_PICTURE) return;
+    pthread_mutex_lock(&own->lock);
+    own->done = 0;
+    pthread_mutex_unlock(&own->lock);
+}
+
+static pith_status run_job(builder *own, job *at, json_t *more, pith_error *err)
+{
+    reporter to = { own, at };
+    const pith_progress progress = { report, &to };
+    const pith_model_options options = { .cache = own->cache };
+    held_document *held = at->kind == JOB_PICTURE ? at->picture.held : at->held;
+    pith_model *model = NULL;
+    PITH_TRY(pith_model_create(held->document, &options, &progress, &model, err));
+    if (own->stock) pith_model_share(model, own->stock->model);
+    pith_status status = at->kind == JOB_PICTURE
+                             ? picture_make(&at->picture, at->number, model, &progress, own->out, err)
+                             : build(own, at, model, err);
+    keep_stock(own, at, model);
+    /* What there is, though it is not all that was wanted, is shown too. */
+    if (status != PITH_OK && status != PITH_CANCELLED && at->kind != JOB_PICTURE)
+        hand_over(own, at, model, true, NULL);
+    json_object_set_new(more, "times", times_json(pith_model_timing(model)));
+    json_object_set_new(more, "notes", json_string(pith_model_notes(model)));
+    pith_model_destroy(model);
+    return status;
+}
+
+static void do_job(builder *own, job *at)
+{
+    pith_error err = { PITH_OK, "" };
+    json_t *more = json_object();
+    at->started = at->told = pith_seconds();
+    tell(own, at, "running", 0.0, "", NULL);
+    remember_start(own, at);
+    pith_status status = atomic_load(&at->cancelled) ? pith_fail(&err, PITH_CANCELLED, "cancelled")
+                                                     : run_job(own, at, more, &err);
+    if (status != PITH_OK) json_object_set_new(more, "message", json_string(err.message));
+    if (at->kind != JOB_PICTURE && status != PITH_CANCELLED)
+        remember(own, at, status == PITH_OK ? NULL : err.message);
+    tell(own, at, status == PITH_OK ? "done" : status == PITH_CANCELLED ? "cancelled" : "failed",
+         status == PITH_OK ? 1.0 : 0.0, "", more);
+}
+
+static void *work(void *user)
+{
+    builder *own = user;
+    pthread_mutex_lock(&own->lock);
+    while (!own->ending) {
+        if (!own->waiting) {
+            pthread_cond_wait(&own->more, &own->lock);
+            continue;
+        }
+        own->running = own->waiting;
+        own->waiting = own->waiting->next;
+        pthread_mutex_unlock(&own->lock);
+        do_job(own, own->running);
+        pthread_mutex_lock(&own->lock);
+        job *gone = own->running;
+        own->running = NULL;
+        job_destroy(gone);
+        pthread_mutex_unlock(&own->lock);
+        own->calls.ended(own->calls.user);
+        pthread_mutex_lock(&own->lock);
+    }
+    pthread_mutex_unlock(&own->lock);
+    return NULL;
+}
+
+/* ---- jobs ---------------------------------------------------------------------------------------------------------- */
+
+/* Cancels what `which` says of jobs that wait or run; those that waited are told and gone. The lock is held. */
+static bool cancel_where(builder *own, bool (*which)(const job *at, const void *wanted), const void *wanted)
+{
+    bool any = false;
+    if (own->running && which(own->running, wanted)) {
+        atomic_store(&own->running->cancelled, true);
+        any = true;
+    }
+    for (job **at = &own->waiting; *at;) {
+        job *here = *at;
+        if (!which(here, wanted)) {
+            at = &here->next;
+            continue;
+        }
+        *at = here->next;
+        tell(own, here, "cancelled", 0.0, "", NULL);
+        job_destroy(here);
+        any = true;
+    }
+    return any;
+}
+
+static bool has_number(const job *at, const void *wanted) { return at->number == *(const uint32_t *)wanted; }
+static bool is_update(const job *at, const void *wanted) { return (void)wanted, at->kind != JOB_PICTURE; }
+static bool is_stream(const job *at, const void *wanted)
+{
+    return at->kind == JOB_PICTURE && strcmp(at->picture.stream, wanted) == 0;
+}
+static bool is_any(const job *at, const void *wanted) { return (void)at, (void)wanted, true; }
+
+/* Takes the job over; gives its number. */
+static uint32_t add_job(builder *own, job *added)
+{
+    pthread_mutex_lock(&own->lock);
+    if (added->kind == JOB_PICTURE && added->picture.stream[0]) cancel_where(own, is_stream, added->picture.stream);
+    const uint32_t number = added->number = ++own->last_number;
+    job **end = &own->waiting;
+    while (*end) end = &(*end)->next;
+    tell(own, added, "waiting", 0.0, "", NULL);
+    *end = added;
+    pthread_cond_signal(&own->more);
+    pthread_mutex_unlock(&own->lock);
+    return number;
+}
+
+uint32_t builder_update(builder *own, held_document *held, job_kind what, uint64_t signature)
+{
+    job *added = pith_alloc(1, sizeof *added);
+    if (!added) return 0;
+    added->kind = what;
+    added->held = document_hold(held);
+    added->signature = signature;
+    return add_job(own, added);
+}
+
+uint32_t builder_picture(builder *own, const picture_wish *wish)
+{
+    job *added = pith_alloc(1, sizeof *added);
+    if (!added) return 0;
+    added->kind = JOB_PICTURE;
+    added->picture = *wish;
+    document_hold(wish->held);
+    return add_job(own, added);
+}
+
+bool builder_cancel(builder *own, uint32_t number)
+{
+    pthread_mutex_lock(&own->lock);
+    const bool found = cancel_where(own, has_number, &number);
+    pthread_mutex_unlock(&own->lock);
+    return found;
+}
+
+void builder_cancel_updates(builder *own)
+{
+    pthread_mutex_lock(&own->lock);
+    cancel_where(own, is_update, NULL);
+    pthread_mutex_unlock(&own->lock);
+}
+
+bool builder_is_at(builder *own, job_kind what, uint64_t signature)
+{
+    bool found = false;
+    pthread_mutex_lock(&own->lock);
+    const job *at = own->running ? own->running : own->waiting;
+    for (; at && !found; at = at == own->running ? own->waiting : at->next)
+        found = (at->kind == JOB_SOLID || at->kind == what) && at->kind != JOB_PICTURE && at->signature == signature &&
+                !atomic_load(&at->cancelled);
+    pthread_mutex_unlock(&own->lock);
+    return found;
+}
+
+bool builder_has_done(builder *own, uint64_t signature)
+{
+    pthread_mutex_lock(&own->lock);
+    const bool done = own->done == signature;
+    pthread_mutex_unlock(&own->lock);
+    return done;
+}
+
+builder_failure builder_last_failure(builder *own)
+{
+    pthread_mutex_lock(&own->lock);
+    const builder_failure failure = own->failure;
+    pthread_mutex_unlock(&own->lock);
+    return failure;
+}
+
+/* ---- life ---------------------------------------------------------------------------------------------------------- */
+
+pith_status builder_create(outbox *out, bool cache, const builder_calls *calls, builder **made, pith_error *err)
+{
+    builder *own = pith_alloc(1, sizeof *own);
+    if (!own) return PITH_OUT_OF_MEMORY(err, "the building thread");
+    own->out = out;
+    own->cache = cache;
+    own->calls = *calls;
+    pthread_mutex_init(&own->lock, NULL);
+    pthread_cond_init(&own->more, NULL);
+    if (pthread_create(&own->thread, NULL, work, own) == 0) {
+        *made = own;
+        return PITH_OK;
+    }
+    pthread_cond_destroy(&own->more);
+    pthread_mutex_destroy(&own->lock);
+    pith_free(own);
+    return pith_fail(err, PITH_EXTERNAL, "no thread can be made for building");
+}
+
+void builder_destroy(builder *gone)
+{
+    if (!gone) return;
+    pthread_mutex_lock(&gone->lock);
+    gone->ending = true;
+    cancel_where(gone, is_any, NULL);
+    pthread_cond_signal(&gone->more);
+    pthread_mutex_unlock(&gone->lock);
+    pthread_join(gone->thread, NULL);
+    built_model_destroy(gone->stock);
+    pthread_cond_destroy(&gone->more);
+    pthread_mutex_destroy(&gone->lock);
+    pith_free(gone);
+}

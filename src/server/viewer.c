@@ -1,0 +1,156 @@
+/* The looking thread: its orders, and its loop. What it does with models is in viewer_models.c. */
+#include "viewer_internal.h"
+
+#include <string.h>
+
+#include "bodies.h"
+
+/* ---- orders -------------------------------------------------------------------------------------------------------- */
+
+void viewer_document(viewer *own, held_document *held, uint64_t revision)
+{
+    pthread_mutex_lock(&own->lock);
+    document_release(own->orders.held); /* one that nobody has looked at yet is passed over */
+    own->orders.held = document_hold(held);
+    own->orders.revision = revision;
+    pthread_cond_signal(&own->more);
+    pthread_mutex_unlock(&own->lock);
+}
+
+void viewer_arrive(viewer *own, built_model *made)
+{
+    pthread_mutex_lock(&own->lock);
+    if (!pith_grow((void **)&own->orders.arrived, &own->orders.arrived_capacity, own->orders.arrived_count + 1,
+                   sizeof *own->orders.arrived))
+        built_model_destroy(made);
+    else
+        own->orders.arrived[own->orders.arrived_count++] = made;
+    pthread_cond_signal(&own->more);
+    pthread_mutex_unlock(&own->lock);
+}
+
+void viewer_hello(viewer *own, uint32_t socket)
+{
+    pthread_mutex_lock(&own->lock);
+    if (pith_grow((void **)&own->orders.hellos, &own->orders.hello_capacity, own->orders.hello_count + 1,
+                  sizeof *own->orders.hellos))
+        own->orders.hellos[own->orders.hello_count++] = socket;
+    pthread_cond_signal(&own->more);
+    pthread_mutex_unlock(&own->lock);
+}
+
+viewer_state *viewer_look(viewer *own)
+{
+    pthread_mutex_lock(&own->lock);
+    const viewer_state *state = own->state;
+    const size_t size = state ? sizeof *state + state->count * sizeof *state->bodies : 0;
+    viewer_state *copy = state ? pith_alloc(1, size) : NULL;
+    if (copy) memcpy(copy, state, size);
+    pthread_mutex_unlock(&own->lock);
+    return copy;
+}
+
+void viewer_tell_state(viewer *own, viewer_state *state)
+{
+    pthread_mutex_lock(&own->lock);
+    pith_free(own->state);
+    own->state = state;
+    pthread_mutex_unlock(&own->lock);
+    own->told(own->user);
+}
+
+void viewer_complain(viewer *own, const pith_error *err)
+{
+    packet *made = NULL;
+    packet_of_json(json_pack("{ss ss}", "event", "note", "message", err->message), &made, NULL);
+    outbox_put(own->out, OUTBOX_ALL, made);
+}
+
+static void orders_clear(viewer_orders *orders)
+{
+    document_release(orders->held);
+    for (size_t i = 0; i < orders->arrived_count; ++i) built_model_destroy(orders->arrived[i]);
+    pith_free(orders->arrived);
+    pith_free(orders->hellos);
+    *orders = (viewer_orders){ .held = NULL };
+}
+
+/* ---- the loop ------------------------------------------------------------------------------------------------------ */
+
+static bool anything(const viewer_orders *orders)
+{
+    return orders->held || orders->arrived_count || orders->hello_count;
+}
+
+/* All that has come up since the last turn is looked at once. */
+static void obey(viewer *own, viewer_orders *orders)
+{
+    pith_error err = { PITH_OK, "" };
+    if (orders->held && viewer_take_document(own, orders->held, orders->revision, &err) != PITH_OK)
+        viewer_complain(own, &err);
+    for (size_t i = 0; i < orders->arrived_count; ++i) {
+        viewer_take_model(own, orders->arrived[i]);
+        orders->arrived[i] = NULL;
+    }
+    if ((orders->held || orders->arrived_count) && own->present) viewer_refresh(own);
+    for (size_t i = 0; i < orders->hello_count; ++i) viewer_send_all(own, orders->hellos[i]);
+}
+
+static void *work(void *user)
+{
+    viewer *own = user;
+    pthread_mutex_lock(&own->lock);
+    while (!own->ending) {
+        if (!anything(&own->orders)) {
+            pthread_cond_wait(&own->more, &own->lock);
+            continue;
+        }
+        viewer_orders orders = own->orders;
+        own->orders = (viewer_orders){ .held = NULL };
+        pthread_mutex_unlock(&own->lock);
+        obey(own, &orders);
+        orders_clear(&orders);
+        pthread_mutex_lock(&own->lock);
+    }
+    pthread_mutex_unlock(&own->lock);
+    return NULL;
+}
+
+/* ---- life ---------------------------------------------------------------------------------------------------------- */
+
+pith_status viewer_create(const char *path, outbox *out, void (*told)(void *user), void *user, viewer **made,
+                          pith_error *err)
+{
+    viewer *own = pith_alloc(1, sizeof *own);
+    if (!own) return PITH_OUT_OF_MEMORY(err, "the looking thread");
+    own->path = path;
+    own->out = out;
+    own->told = told;
+    own->user = user;
+    pthread_mutex_init(&own->lock, NULL);
+    pthread_cond_init(&own->more, NULL);
+    if (pthread_create(&own->thread, NULL, work, own) == 0) {
+        *made = own;
+        return PITH_OK;
+    }
+    pthread_cond_destroy(&own->more);
+    pthread_mutex_destroy(&own->lock);
+    pith_free(own);
+    return pith_fail(err, PITH_EXTERNAL, "no thread can be made for looking");
+}
+
+void viewer_destroy(viewer *gone)
+{
+    if (!gone) return;
+    pthread_mutex_lock(&gone->lock);
+    gone->ending = true;
+    pthread_cond_signal(&gone->more);
+    pthread_mutex_unlock(&gone->lock);
+    pthread_join(gone->thread, NULL);
+    orders_clear(&gone->orders);
+    viewer_clear_models(gone);
+    pith_free(gone->state);
+    pthread_cond_destroy(&gone->more);
+    pthread_mutex_destroy(&gone->lock);
+    pith_free(gone);
+}
