@@ -164,25 +164,27 @@ pith_status pith_model_solid(pith_model *model, const pith_solid **solid, pith_e
 const pith_lapped_report *pith_model_fill_report(const pith_model *model);
 /** The whole model as a part, for cutting. */
 pith_status pith_model_part(pith_model *model, const pith_part **part, pith_error *err);
-/** Takes these cuts instead of the document's from now on; copies them. PITH_BAD_ARGUMENT for a plane without normal. */
+/** Takes these cuts instead of the document's from now on; copies them. PITH_BAD_ARGUMENT for a plane without normal. Of
+ *  the document's "parts", which are about pieces of its own cuts, those about uncut bodies still hold. */
 pith_status pith_model_set_cuts(pith_model *model, const pith_cut_step *cuts, size_t count, pith_error *err);
 /** A piece of the model after all cuts. */
 typedef struct pith_model_piece {
     const pith_shell *shell;
     size_t body;                /* which of the model's bodies it is of */
-    pith_vec3 offset;           /* how far cuts have moved it */
+    pith_vec3 offset;           /* how far cuts and the document's "parts" have moved it */
+    bool hidden;                /* the document's "parts" say so: no item is made of it */
     pith_vec3 inside;           /* a material point inside it, by which it can be named: the middle of its largest tet */
 } pith_model_piece;
-/** Every piece that the cuts leave, in the order of pith_model_items; needs no solids. displaced: with the skins of bodies
+/** Every piece that the cuts leave, hidden ones too, else in the order of pith_model_items; needs no solids. displaced: with the skins of bodies
  *  that have a displacement moved, which needs the solids of those bodies (PITH_BAD_DOCUMENT when one has none); else as
  *  the cuts left them. The model owns them until its cuts are set anew. Makes the model, and those that share with it,
  *  keep in memory what its cuts make on the way (up to 1 GiB), so that one cut more or less is one cut's work. */
 pith_status pith_model_pieces(pith_model *model, bool displaced, const pith_model_piece **pieces, size_t *count,
                               pith_error *err);
-/** The shells left after the cuts, with their offsets; empty shells are left out. Cuts apply in sequence: all but the
+/** The shells left after the cuts, with their offsets; empty shells and hidden parts are left out. Cuts apply in sequence: all but the
  *  last split every part there is, the last one only lays its section open. Offsets add up. */
 pith_status pith_model_items(pith_model *model, const pith_render_item **items, size_t *count, pith_error *err);
-/** The parts left after the cuts with their solids, for volume rendering. */
+/** The parts left after the cuts with their solids, but for hidden ones, for volume rendering. */
 pith_status pith_model_volume_items(pith_model *model, const pith_volume_item **items, size_t *count,
                                     pith_error *err);
 /** Camera, options and transfer function ([count], NULL: the solid's own) of a translucent picture. */

@@ -1,6 +1,6 @@
 /* Operations on documents from the inside. apply.c reads them and checks what comes of them, operations.c is their
-   table, apply_depth.c paints, apply_lists.c adds to lists and takes from them, apply_path.c reaches every key,
-   apply_mesh.c makes the mesh that faces are counted in. */
+   table, apply_depth.c paints, apply_lists.c adds to lists and takes from them, apply_parts.c hides and moves
+   pieces, apply_path.c reaches every key, apply_mesh.c makes the mesh that faces are counted in. */
 #ifndef PITH_APPLY_INTERNAL_H
 #define PITH_APPLY_INTERNAL_H
 
@@ -31,6 +31,8 @@ json_t *edit_child(edit *at, json_t *object, const char *key, json_t *(*make)(vo
 void edit_drop_list(json_t *body, const char *holder, const char *list);
 /* A copy of the operation's keys but those that say where: the entry it makes. */
 json_t *edit_entry(edit *at);
+/* Are two points the same? */
+bool edit_same_place(const json_t *a, const json_t *b);
 /* The operation's "index" into a list of things called `what`; without one, the last. */
 pith_status edit_index(const edit *at, const json_t *list, const char *what, size_t *index);
 /* Refuses the value of one of the operation's keys. */
@@ -39,6 +41,9 @@ pith_status edit_refuse(const edit *at, const char *key, const char *format, ...
 pith_status edit_refuse_name(const edit *at, const char *key, const char *what, const char *name, const json_t *list);
 /* The cleaned mesh of the body: the one face indices are about. Lives until the next operation. */
 pith_status edit_mesh(edit *at, const pith_mesh **mesh);
+
+/* What cut.remove does to "parts": entries about pieces that the cut made go, and later ones count one cut less. */
+void edit_forget_cut(edit *at, size_t index);
 
 /* What operations do; each stands in the table in operations.c. */
 pith_status apply_depth_fill(edit *at);
@@ -55,6 +60,10 @@ pith_status apply_paste_move(edit *at);
 pith_status apply_paste_remove(edit *at);
 pith_status apply_cut_add(edit *at);
 pith_status apply_cut_remove(edit *at);
+pith_status apply_part_hide(edit *at);
+pith_status apply_part_show(edit *at);
+pith_status apply_part_move(edit *at);
+pith_status apply_part_together(edit *at);
 pith_status apply_solid_choose(edit *at);
 pith_status apply_solid_type(edit *at);
 pith_status apply_set(edit *at);

@@ -35,7 +35,7 @@ pith_status apply_clear(edit *at)
     return PITH_OK;
 }
 
-static bool same_place(const json_t *a, const json_t *b)
+bool edit_same_place(const json_t *a, const json_t *b)
 {
     return pith_distance(json_point(a), json_point(b)) == 0.0;
 }
@@ -44,7 +44,7 @@ pith_status apply_scale_point(edit *at)
 {
     json_t *list = list_of(at);
     for (size_t i = 0; i < json_array_size(list); ++i)
-        if (same_place(json_object_get(json_array_get(list, i), "point"), json_object_get(at->asked, "point"))) {
+        if (edit_same_place(json_object_get(json_array_get(list, i), "point"), json_object_get(at->asked, "point"))) {
             if (json_array_set_new(list, i, edit_entry(at)) != 0) at->failed = true;
             return PITH_OK;
         }
@@ -173,5 +173,6 @@ pith_status apply_cut_remove(edit *at)
     PITH_TRY(edit_index(at, cuts, "cut", &index));
     json_array_remove(cuts, index);
     if (json_array_size(cuts) == 0) json_object_del(at->root, "cuts");
+    edit_forget_cut(at, index);
     return PITH_OK;
 }

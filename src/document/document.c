@@ -53,7 +53,7 @@ static pith_status build_bodies(pith_document *made, reader *in, const json_t *r
     return PITH_OK;
 }
 
-/* ---- cuts and camera -------------------------------------------------------------------------------------------------- */
+/* ---- cuts, parts and camera -------------------------------------------------------------------------------------------------- */
 
 static pith_status build_cut(pith_document *made, reader *in, const json_t *from, pith_cut_step *to)
 {
@@ -80,6 +80,60 @@ static pith_status build_cuts(pith_document *made, reader *in, const json_t *lis
         const size_t length = reader_enter(in, "cuts");
         reader_enter_at(in, i);
         PITH_TRY(build_cut(made, in, json_array_get(list, i), &made->cuts[i]));
+        reader_leave(in, length);
+    }
+    return PITH_OK;
+}
+
+/* The body of that name, for `in` to stand at the key "body". */
+static pith_status find_body(const pith_document *made, reader *in, const char *name, size_t *body)
+{
+    const char *names[64] = { NULL };
+    for (size_t i = 0; i < made->body_count; ++i) {
+        if (strcmp(made->bodies[i].name, name) == 0) {
+            *body = i;
+            return PITH_OK;
+        }
+        if (i < 63) names[i] = made->bodies[i].name;
+    }
+    if (!json_object_get(made->root, "bodies"))
+        return reader_fail(in, "is \"%.60s\", but the document's only body has no name; leave this out", name);
+    const char *near = pith_nearest_word(name, names);
+    return reader_fail(in, "no body is called \"%.60s\"%s%s%s", name, near ? "; did you mean \"" : "", near ? near : "",
+                       near ? "\"?" : "");
+}
+
+static pith_status build_part(const pith_document *made, reader *in, const json_t *from, document_part *to)
+{
+    part_options options;
+    json_options(from, &document_part_params, &options);
+    const json_t *after = json_object_get(from, "after"), *offset = json_object_get(from, "offset");
+    const char *body = json_string_value(json_object_get(from, "body"));
+    *to = (document_part){ .at = json_point(json_object_get(from, "at")), .body = SIZE_MAX, .after = made->cut_count,
+                           .says_hidden = json_object_get(from, "hidden"), .hidden = options.hidden };
+    if (offset) to->offset = json_point(offset);
+    if (after) to->after = (size_t)json_integer_value(after);
+    if (to->after > made->cut_count) {
+        reader_enter(in, "after");
+        return reader_fail(in, "is %zu, but there %s %zu cut%s", to->after, made->cut_count == 1 ? "is" : "are",
+                           made->cut_count, made->cut_count == 1 ? "" : "s");
+    }
+    if (!body) return PITH_OK;
+    const size_t length = reader_enter(in, "body");
+    PITH_TRY(find_body(made, in, body, &to->body));
+    reader_leave(in, length);
+    return PITH_OK;
+}
+
+static pith_status build_parts(pith_document *made, reader *in, const json_t *list)
+{
+    made->part_count = json_array_size(list);
+    made->parts = arena_alloc(&made->memory, made->part_count, sizeof *made->parts);
+    if (!made->parts) return PITH_OUT_OF_MEMORY(in->err, "parts");
+    for (size_t i = 0; i < made->part_count; ++i) {
+        const size_t length = reader_enter(in, "parts");
+        reader_enter_at(in, i);
+        PITH_TRY(build_part(made, in, json_array_get(list, i), &made->parts[i]));
         reader_leave(in, length);
     }
     return PITH_OK;
@@ -148,6 +202,7 @@ static pith_status fill_document(pith_document *made, const char *path, const ch
     PITH_TRY(document_text(made, json_object_get(root, "title"), &made->title, err));
     PITH_TRY(build_bodies(made, &in, root));
     PITH_TRY(build_cuts(made, &in, json_object_get(root, "cuts")));
+    PITH_TRY(build_parts(made, &in, json_object_get(root, "parts")));
     PITH_TRY(build_camera(made, &in, json_object_get(root, "camera")));
     json_options(json_object_get(root, "render"), &pith_render_params, &made->render);
     return build_volume(made, &in, json_object_get(root, "volume"));

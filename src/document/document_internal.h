@@ -202,6 +202,16 @@ typedef struct document_camera {
     struct document_lens { double field_of_view; } lens;
 } document_camera;
 
+/* What is done with the piece that contains a point: an entry of "parts". */
+typedef struct part_options { bool hidden; } part_options;
+typedef struct document_part {
+    pith_vec3 at;                   /* material */
+    size_t body;                    /* which one's; SIZE_MAX: the first that has a piece there */
+    size_t after;                   /* how many cuts */
+    bool says_hidden, hidden;       /* hidden counts when it says so */
+    pith_vec3 offset;
+} document_part;
+
 enum { MOST_BODIES = 1000, MOST_PASTES = 1000 };
 
 /* The cleaned mesh of a shape that operations asked for. A document made by operations keeps it for the next one;
@@ -219,6 +229,8 @@ struct pith_document {
     size_t body_count;
     pith_cut_step *cuts;
     size_t cut_count;
+    document_part *parts;           /* [part_count] */
+    size_t part_count;
     document_camera camera;
     pith_render_options render;
     bool translucent;
@@ -247,6 +259,7 @@ const type_needs *type_needs_of(uint32_t type);
 
 extern const pith_params document_grid_params, document_lens_params, document_depth_value_params,
     document_constraint_params, document_recipe_params, document_stop_params;
+extern const pith_params document_part_params;
 extern const pith_params document_scale_value_params, document_paste_params, document_transfer_params;
 typedef struct depth_value { double depth, within; } depth_value; /* within: of constraints only */
 typedef struct transfer_value { double value, opacity; } transfer_value;

@@ -28,6 +28,12 @@ static const pith_param cut_items[] = {
 };
 const pith_params pith_cut_step_params = { "cut", cut_items, 3, sizeof(pith_cut_step) };
 
+static const pith_param part_items[] = {
+    { "hidden", "1", "it is left out of pictures and files; left out, it is as the piece it was cut from",
+      PITH_PARAM_BOOL, 0, 0, 1, offsetof(part_options, hidden), NULL },
+};
+const pith_params document_part_params = { "part", part_items, 1, sizeof(part_options) };
+
 static const pith_param grid_items[] = {
     { "clamp", "1", "points outside the grid get the nearest voxel instead of nothing", PITH_PARAM_BOOL, 0, 1, 1,
       offsetof(grid_options, clamp), NULL },
@@ -96,7 +102,7 @@ const pith_params *const *pith_document_tables(void)
         &document_scale_value_params, &pith_displacement_params, &document_paste_params, &pith_lapped_params,
         &document_grid_params, &document_recipe_params, &document_stop_params, &pith_noise_layer_params,
         &pith_brick_layer_params, &pith_particle_layer_params, &pith_cut_step_params, &pith_cut_stroke_params,
-        &document_lens_params, &pith_render_params, &pith_volume_params, &document_transfer_params, NULL,
+        &document_part_params, &document_lens_params, &pith_render_params, &pith_volume_params, &document_transfer_params, NULL,
     };
     return tables;
 }
@@ -252,6 +258,15 @@ static const grammar cut = {
          { "stroke", VALUE_OBJECT, "the same, drawn", &grammar_cut_stroke }),
     &pith_cut_step_params, NULL, NAMES("plane", "stroke"),
 };
+static const grammar part = {
+    "part", "What is done with one piece, and with all that later cuts make of it.",
+    KEYS({ "at", VALUE_POINT, "a point inside it, where it was in the uncut model", NULL },
+         { "body", VALUE_TEXT, "the body it is of, in documents with `bodies`; default: the first with a piece there",
+           NULL },
+         { "after", VALUE_INDEX, "the piece after so many cuts; default: after all of them", NULL },
+         { "offset", VALUE_POINT, "how far it is moved from where cuts put it, model units", NULL }),
+    &document_part_params, NAMES("at"), NULL,
+};
 static const grammar camera = {
     "camera", "Where pictures are taken from: an eye, or a direction from which everything is seen.",
     KEYS({ "eye", VALUE_POINT, "where the eye is; `target` goes with it", NULL },
@@ -295,6 +310,7 @@ const grammar grammar_document = {
          BODY_KEYS,
          { "bodies", VALUE_LIST, "several bodies, instead of the keys of one", &body_entry },
          { "cuts", VALUE_LIST, "cuts, in order", &cut },
+         { "parts", VALUE_LIST, "pieces that are hidden or moved", &part },
          { "camera", VALUE_OBJECT, "where pictures are taken from; default: fitted from the front, right and above",
            &camera },
          { "render", VALUE_OBJECT, "how pictures are made", &render },

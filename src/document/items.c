@@ -52,9 +52,10 @@ static pith_status build_items(pith_model *model, pith_error *err)
     if (!items) return PITH_OUT_OF_MEMORY(err, "shells");
     model->item_count = 0;
     for (size_t i = 0; i < count; ++i)
-        items[model->item_count++] = (pith_render_item){ .shell = pieces[i].shell,
-                                                         .solid = model_body(model, pieces[i].body)->solid,
-                                                         .offset = pieces[i].offset };
+        if (!pieces[i].hidden)
+            items[model->item_count++] = (pith_render_item){ .shell = pieces[i].shell,
+                                                             .solid = model_body(model, pieces[i].body)->solid,
+                                                             .offset = pieces[i].offset };
     model->items = items;
     return PITH_OK;
 }
@@ -85,9 +86,10 @@ static pith_status build_volume(pith_model *model, pith_error *err)
     }
     model->volume_count = 0;
     for (size_t i = 0; i < pieces->count; ++i)
-        items[model->volume_count++] = (pith_volume_item){ pieces->pieces[i].part->what,
-                                                           model_body(model, pieces->pieces[i].body)->solid,
-                                                           states[i].offset };
+        if (!states[i].hidden)
+            items[model->volume_count++] = (pith_volume_item){ pieces->pieces[i].part->what,
+                                                               model_body(model, pieces->pieces[i].body)->solid,
+                                                               states[i].offset };
     pith_free(states);
     model->volume_level = level;
     model->volume_items = items;
@@ -122,8 +124,8 @@ static pith_status camera_for(const pith_model *model, const pith_box *box, doub
         return PITH_OK;
     }
     if (!(box->low.x <= box->high.x))
-        return pith_fail(err, PITH_BAD_DOCUMENT, "%s: cuts: nothing of the model is left to look at",
-                         model->document->path);
+        return pith_fail(err, PITH_BAD_DOCUMENT, "%s: %s: nothing of the model is left to look at",
+                         model->document->path, model->document->part_count ? "cuts and parts" : "cuts");
     *camera = pith_camera_fit(box, asked->direction, asked->up, asked->lens.field_of_view, aspect);
     return PITH_OK;
 }

@@ -187,7 +187,7 @@ static pith_status next_level(pith_model *model, size_t count, holding **at, pit
 }
 
 /* The states of a level's pieces after its cut, from those before it, which are freed. */
-static pith_status next_states(const pith_model *model, size_t count, const cut_level *level, piece_state **states,
+static pith_status next_states(pith_model *model, size_t count, const cut_level *level, piece_state **states,
                                pith_error *err)
 {
     piece_state *after = pith_alloc(level->count, sizeof *after);
@@ -199,7 +199,7 @@ static pith_status next_states(const pith_model *model, size_t count, const cut_
     }
     pith_free(*states);
     *states = after;
-    return PITH_OK;
+    return model_apply_parts(model, count, level, after, err);
 }
 
 pith_status model_cut(pith_model *model, size_t count, holding **level, piece_state **states, pith_error *err)

@@ -185,6 +185,8 @@ static pith_status fill_model(pith_model *made, const pith_model_options *option
         made->body = &document->bodies[0];
         PITH_TRY(stage_keys_of(made->body, &made->keys, err));
     }
+    made->told_parts = pith_alloc(document->part_count, sizeof *made->told_parts);
+    if (!made->told_parts) return PITH_OUT_OF_MEMORY(err, "parts");
     PITH_TRY(pith_model_set_cuts(made, document->cuts, document->cut_count, err));
     made->cuts.from_document = true;
     return options && options->cache ? open_cache(made, options->cache_file, err) : PITH_OK;
@@ -206,6 +208,7 @@ void pith_model_destroy(pith_model *model)
     if (!model) return;
     model_drop_items(model);
     if (model->store) flush(model);
+    pith_free(model->told_parts);
     for (size_t i = 0; i < model->body_count; ++i) pith_model_destroy(model->bodies[i]);
     pith_free(model->bodies);
     model_release_levels(model);

@@ -1,6 +1,7 @@
 /* A model from the inside: what has been built so far. model.c is its life and its cache; sharing.c holds what was built
    and shares it with other models; model_shape.c, model_fields.c and model_solid.c build the stages of a body; cuts.c
-   has the cuts, levels.c cuts bodies to parts, pieces.c makes their shells; items.c looks at them. */
+   has the cuts, levels.c cuts bodies to parts, parts.c hides and moves them, pieces.c makes their shells; items.c looks
+   at them. */
 #ifndef PITH_MODEL_INTERNAL_H
 #define PITH_MODEL_INTERNAL_H
 
@@ -61,7 +62,7 @@ typedef struct cut_level {
 } cut_level;
 
 /* What the cuts so far have done with a piece, besides cutting it. */
-typedef struct piece_state { pith_vec3 offset; } piece_state;
+typedef struct piece_state { pith_vec3 offset; bool hidden; } piece_state;
 
 /* The shells after all cuts, never changed once made. The last cut need not make parts, only lay them open; then the
    level is the one before it. */
@@ -93,6 +94,7 @@ struct pith_model {
     pith_progress named;        /* reports to the owner's progress with the body's name in front */
     cache *store;               /* NULL: no cache; the owner's */
     bool told_unsaved;
+    bool *told_parts;           /* [the document's parts] of a whole: that one has no effect */
     stage_keys keys;
     pith_model_times times;
     char notes[2000];
@@ -192,6 +194,14 @@ bool cut_keeps(const pith_cut_step *cut, bool positive);
 pith_vec3 cut_offset(const pith_cut_step *cut, pith_vec3 offset, bool positive);
 /* The message of a failure in a cut, with its place. */
 pith_status cut_fail_at(const pith_model *model, size_t index, pith_status status, pith_error *err);
+/* Where a point is in a level: which piece, and where in which of its tets. */
+typedef struct piece_place { size_t piece; uint32_t tet; double weights[4]; } piece_place;
+/* Does to the states what the document's entries about pieces after `count` cuts say: pieces of a level, or shells of
+   which the last cut is laid open. */
+pith_status model_apply_parts(pith_model *model, size_t count, const cut_level *level, piece_state *states,
+                              pith_error *err);
+pith_status model_apply_parts_to_shells(pith_model *model, const cut_shells *shells, piece_state *states,
+                                        pith_error *err);
 /* The pieces after the first `count` cuts: a cut_level, which the caller releases, and the state of each piece, which
    the caller frees. */
 pith_status model_cut(pith_model *model, size_t count, holding **level, piece_state **states, pith_error *err);

@@ -21,6 +21,13 @@ static const pith_param list_items[] = {
 };
 static const pith_params list_params = { "stroke.remove", list_items, 1, sizeof(list_options) };
 
+typedef struct show_options { bool all; } show_options;
+static const pith_param show_items[] = {
+    { "all", "1", "true, instead of `at`: every piece that is hidden", PITH_PARAM_BOOL, 0, 0, 1,
+      offsetof(show_options, all), NULL },
+};
+static const pith_params show_params = { "part.show", show_items, 1, sizeof(show_options) };
+
 /* ---- keys that several have -------------------------------------------------------------------------------------- */
 
 static const grammar ray = {
@@ -36,6 +43,9 @@ static const grammar ray = {
 #define RAY_KEY { "ray", VALUE_OBJECT, "the face met by a ray", &ray }
 #define SOLID_KEY { "solid", VALUE_TEXT, "the name of a lapped solid; default: the one the body is made of", NULL }
 #define INDEX_KEY(what) { "index", VALUE_INDEX, what " from 0; default: the last", NULL }
+#define PART_KEYS                                                                                                      \
+    { "at", VALUE_POINT, "a point inside it, where it was in the uncut model", NULL },                                 \
+    { "body", VALUE_TEXT, "the body it is of, in documents with `bodies`; default: the first with a piece there", NULL }
 #define PASTE_KEYS                                                                                                     \
     { "exemplar", VALUE_OBJECT, "what is set there", &grammar_exemplar },                                              \
     { "point", VALUE_POINT, "where the middle of its cube is, in the body", NULL },                                    \
@@ -102,8 +112,22 @@ const document_operation document_operations[] = {
     { { "cut.stroke", "Adds a cut along a stroke drawn over the picture, after those there are.",
         KEYS({ "stroke", VALUE_OBJECT, "where", &grammar_cut_stroke }), &pith_cut_step_params, NAMES("stroke"), NULL },
       apply_cut_add, NULL, NULL },
-    { { "cut.remove", "Takes a cut away.", KEYS(INDEX_KEY("which,")), NULL, NULL, NULL },
+    { { "cut.remove", "Takes a cut away. Entries of `parts` about pieces right after it go too; later ones count one cut "
+        "less.", KEYS(INDEX_KEY("which,")), NULL, NULL, NULL },
       apply_cut_remove, NULL, NULL },
+    { { "part.hide", "Hides a piece, as it is after all cuts there are, and all that later cuts make of it.",
+        KEYS(PART_KEYS), NULL, NAMES("at"), NULL },
+      apply_part_hide, NULL, NULL },
+    { { "part.show", "Shows a hidden piece again, or all of them.", KEYS(PART_KEYS), &show_params, NULL,
+        NAMES("at", "all") },
+      apply_part_show, NULL, NULL },
+    { { "part.move", "Moves a piece, as it is after all cuts there are, and all that later cuts make of it; an offset that "
+        "it was given before, by the same point after the same cuts, is replaced.",
+        KEYS(PART_KEYS, { "offset", VALUE_POINT, "how far from where cuts put it, model units; [0, 0, 0] puts it back",
+                          NULL }), NULL, NAMES("at", "offset"), NULL },
+      apply_part_move, NULL, NULL },
+    { { "part.together", "Puts all moved pieces back; the gaps of cuts stay.", NULL, 0, NULL, NULL, NULL },
+      apply_part_together, NULL, NULL },
     { { "solid.choose", "Makes the body of this solid.",
         KEYS(BODY_KEY, { "name", VALUE_TEXT, "one of the body's solids", NULL }), NULL, NAMES("name"), NULL },
       apply_solid_choose, NULL, NULL },

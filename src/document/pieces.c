@@ -254,7 +254,7 @@ static pith_status build_moved(pith_model *model, const cut_shells *shells, pith
 /* ---- pieces -------------------------------------------------------------------------------------------------------------- */
 
 /* The states of shells from those of the pieces that the last cut lays open. */
-static pith_status last_states(const pith_model *model, const cut_shells *shells, const piece_state *before,
+static pith_status last_states(pith_model *model, const cut_shells *shells, const piece_state *before,
                                piece_state **states, pith_error *err)
 {
     const cut_list *cuts = model_cuts(model);
@@ -266,8 +266,10 @@ static pith_status last_states(const pith_model *model, const cut_shells *shells
         if (shells->laid_open)
             after[i].offset = cut_offset(&cuts->steps[cuts->count - 1], after[i].offset, at->side == SIDE_POSITIVE);
     }
-    *states = after;
-    return PITH_OK;
+    const pith_status status = shells->laid_open ? model_apply_parts_to_shells(model, shells, after, err) : PITH_OK;
+    if (status == PITH_OK) *states = after;
+    else pith_free(after);
+    return status;
 }
 
 pith_status model_shells(pith_model *model, bool displaced, const cut_shells **shells, const moved_shells **moved,
@@ -310,7 +312,8 @@ static pith_status build_pieces(pith_model *model, bool displaced, pith_error *e
     for (size_t i = 0; made && i < shells->count; ++i) {
         const pith_shell *own = moved ? moved->shells[i] : NULL;
         made[i] = (pith_model_piece){ .shell = own ? own : shells->items[i].shell, .body = body_of(shells, i),
-                                      .offset = states[i].offset, .inside = shells->items[i].inside };
+                                      .offset = states[i].offset, .hidden = states[i].hidden,
+                                      .inside = shells->items[i].inside };
     }
     pith_free(states);
     if (!made) return PITH_OUT_OF_MEMORY(err, "pieces");

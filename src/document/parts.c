@@ -1,0 +1,126 @@
+/* Pieces that the document hides or moves. An entry names a piece by a point in it, and by how many cuts had been made;
+   what later cuts make of the piece inherits what was done to it, and may have an entry of its own. */
+#include "model_internal.h"
+
+#include <string.h>
+
+/* Less than this outside a tet is rounding; barycentric. */
+static const double tiny = 1e-9;
+
+/* ---- where a point is ------------------------------------------------------------------------------------------------ */
+
+/* The tet of a piece, of those that come from one of the model's, that contains the point best. */
+static void look_in_piece(const piece *in, size_t index, uint32_t source, pith_vec3 at, double *best, piece_place *place)
+{
+    const pith_part_view part = pith_part_look(in->part->what);
+    for (uint32_t t = 0; t < part.tet_count; ++t) {
+        if (part.source_tet[t] != source) continue;
+        const uint32_t *v = part.tets[t];
+        double weights[4];
+        if (!pith_barycentric(part.material[v[0]], part.material[v[1]], part.material[v[2]], part.material[v[3]], at,
+                              weights)) continue;
+        const double least = fmin(fmin(weights[0], weights[1]), fmin(weights[2], weights[3]));
+        if (!(least >= -tiny && least > *best)) continue;
+        *best = least;
+        *place = (piece_place){ .piece = index, .tet = t };
+        memcpy(place->weights, weights, sizeof weights);
+    }
+}
+
+/* Looks in the pieces of one body. */
+static pith_status look_in_body(pith_model *model, size_t body, const cut_level *level, pith_vec3 at,
+                                piece_place *place, bool *found, pith_error *err)
+{
+    const pith_locator *locator;
+    PITH_TRY(pith_model_locator(model_body(model, body), &locator, err));
+    uint32_t source;
+    double weights[4], best = -INFINITY;
+    pith_locator_find(locator, &at, 1, 0.0, &source, &weights);
+    for (size_t i = 0; source != PITH_NONE && i < level->count; ++i)
+        if (level->pieces[i].body == body) look_in_piece(&level->pieces[i], i, source, at, &best, place);
+    *found = best > -INFINITY;
+    return PITH_OK;
+}
+
+/* Which of the document's bodies is the model's body of that number? */
+static size_t number_in_document(const pith_model *model, size_t body) { return model->body ? model->index : body; }
+
+/* The piece that an entry is about: of the body it names, or of the first that has one there. */
+static pith_status find_piece(pith_model *model, const document_part *entry, const cut_level *level, piece_place *place,
+                              bool *found, pith_error *err)
+{
+    *found = false;
+    for (size_t i = 0; !*found && i < pith_model_bodies(model); ++i)
+        if (entry->body == SIZE_MAX || entry->body == number_in_document(model, i))
+            PITH_TRY(look_in_body(model, i, level, entry->at, place, found, err));
+    return PITH_OK;
+}
+
+/* ---- what is done to it ------------------------------------------------------------------------------------------------ */
+
+/* Is the entry about pieces of the model's cuts, and about those after `count` of them? */
+static bool is_about(const pith_model *model, const document_part *entry, size_t count)
+{
+    return entry->after == count && (count == 0 || model_cuts(model)->from_document);
+}
+
+static void apply_entry(const document_part *entry, piece_state *state)
+{
+    if (entry->says_hidden) state->hidden = entry->hidden;
+    state->offset = pith_add(state->offset, entry->offset);
+}
+
+/* A model of one of several bodies need not have the piece, so the whole tells it. */
+static void tell_no_effect(pith_model *model, size_t index)
+{
+    const document_part *entry = &model->document->parts[index];
+    if (model->owner != model || model->told_parts[index]) return;
+    model->told_parts[index] = true;
+    model_note(model, "%s: parts[%zu]: no piece has [%g, %g, %g] in it after %zu cut%s, so the entry changes nothing",
+               model->document->path, index, entry->at.x, entry->at.y, entry->at.z, entry->after,
+               entry->after == 1 ? "" : "s");
+}
+
+pith_status model_apply_parts(pith_model *model, size_t count, const cut_level *level, piece_state *states,
+                              pith_error *err)
+{
+    for (size_t i = 0; i < model->document->part_count; ++i) {
+        const document_part *entry = &model->document->parts[i];
+        piece_place place;
+        bool found;
+        if (!is_about(model, entry, count)) continue;
+        PITH_TRY(find_piece(model, entry, level, &place, &found, err));
+        if (found) apply_entry(entry, &states[place.piece]);
+        else tell_no_effect(model, i);
+    }
+    return PITH_OK;
+}
+
+/* The shell that was made of a place in the level before the last cut. */
+static size_t shell_of(const cut_shells *shells, const piece_place *place)
+{
+    const double *values = shells->values[place->piece];
+    const pith_part_view part = pith_part_look(((const cut_level *)shells->level->what)->pieces[place->piece].part->what);
+    double value = 0.0;
+    for (int k = 0; values && k < 4; ++k) value += place->weights[k] * values[part.tets[place->tet][k]];
+    const piece_side side = value < 0.0 ? SIDE_NEGATIVE : SIDE_POSITIVE;
+    for (size_t i = 0; i < shells->count; ++i)
+        if (shells->items[i].parent == place->piece && (!values || shells->items[i].side == side)) return i;
+    return SIZE_MAX;
+}
+
+pith_status model_apply_parts_to_shells(pith_model *model, const cut_shells *shells, piece_state *states,
+                                        pith_error *err)
+{
+    for (size_t i = 0; i < model->document->part_count; ++i) {
+        const document_part *entry = &model->document->parts[i];
+        piece_place place;
+        bool found;
+        if (!is_about(model, entry, model_cuts(model)->count)) continue;
+        PITH_TRY(find_piece(model, entry, shells->level->what, &place, &found, err));
+        const size_t shell = found ? shell_of(shells, &place) : SIZE_MAX;
+        if (shell != SIZE_MAX) apply_entry(entry, &states[shell]);
+        else tell_no_effect(model, i);
+    }
+    return PITH_OK;
+}
