@@ -148,6 +148,15 @@ pith_status pith_model_mesh(pith_model *model, const pith_mesh **mesh, const pit
 pith_status pith_model_tets(pith_model *model, const pith_tets **tets, const pith_tets_report **report,
                             pith_error *err);
 pith_status pith_model_locator(pith_model *model, const pith_locator **locator, pith_error *err);
+/** The depth painted on each triangle of the cleaned mesh, by lists, "all" or where they face; NaN where none is:
+ *  [count], the mesh's triangles. Where several constraints are about a triangle it is the last one's. Refuses what
+ *  pith_model_fields refuses in them. */
+pith_status pith_model_painted(pith_model *model, const float **depth, uint32_t *count, pith_error *err);
+/** Which triangle of the cleaned mesh each boundary face of a tet is: [tet_count][4], entry k for the face opposite corner
+ *  k; PITH_NONE for faces between tets. Where the mesh's faces were not kept (stuffing, refinement) it is the triangle
+ *  nearest to the face's middle. A triangle of a shell's skin lies on the face of its source tet whose corner has weight
+ *  0 (pith_shell_weights) at all three of its vertices. */
+pith_status pith_model_surface_faces(pith_model *model, const uint32_t (**faces)[4], pith_error *err);
 /** Fields of the tets: depth, gradient, secondary (NULL when the document has none); [vertex_count]. */
 pith_status pith_model_fields(pith_model *model, const double **depth, const pith_vec3 **gradient,
                               const pith_vec3 **secondary, pith_error *err);

@@ -5,104 +5,6 @@
 
 /* ---- depth ---------------------------------------------------------------------------------------------------------------- */
 
-/* Marks the triangles of the cleaned mesh that constraint i lists. */
-static pith_status choose_listed(const pith_model *model, size_t i, const pith_mesh_view *mesh, bool *chosen,
-                                 pith_error *err)
-{
-    const pith_depth_constraint *c = &model->body->constraints[i];
-    for (size_t f = 0; f < c->count; ++f) {
-        if (c->faces[f] >= mesh->triangle_count)
-            return pith_fail(err, PITH_BAD_DOCUMENT, "%s: %sdepth.constraints[%zu].faces[%zu]: is %u, but the cleaned "
-                             "mesh has %u triangles", model->document->path, model->body->place, i, f, c->faces[f],
-                             mesh->triangle_count);
-        chosen[c->faces[f]] = true;
-    }
-    return PITH_OK;
-}
-
-size_t facing_mark(const document_facing *to, const pith_mesh_view *mesh, bool *marked)
-{
-    const double least = cos(to->within * M_PI / 180.0);
-    size_t count = 0;
-    for (uint32_t t = 0; t < mesh->triangle_count; ++t) {
-        const uint32_t *corner = mesh->triangles[t];
-        const pith_vec3 a = mesh->positions[corner[0]];
-        const pith_vec3 across = pith_cross(pith_sub(mesh->positions[corner[1]], a),
-                                            pith_sub(mesh->positions[corner[2]], a));
-        const double size = pith_length(across);
-        marked[t] = size > 0.0 && pith_dot(across, to->direction) >= least * size;
-        count += marked[t];
-    }
-    return count;
-}
-
-/* The same for one that says where its triangles look. */
-static pith_status choose_facing(const pith_model *model, size_t i, const pith_mesh_view *mesh, bool *chosen,
-                                 pith_error *err)
-{
-    const document_facing *to = &model->body->facing[i];
-    if (facing_mark(to, mesh, chosen) > 0) return PITH_OK;
-    return pith_fail(err, PITH_BAD_DOCUMENT, "%s: %sdepth.constraints[%zu].facing: no triangle faces [%g, %g, %g] within "
-                     "%g degrees; turn it, or make \"within\" larger", model->document->path, model->body->place, i,
-                     to->direction.x, to->direction.y, to->direction.z, to->within);
-}
-
-/* The triangle of the cleaned mesh nearest to the middle of each surface triangle; in the arena's memory. */
-static pith_status find_nearest(const pith_mesh_view *mesh, const pith_mesh_view *surface, arena *memory,
-                                pith_nearest **nearest, pith_error *err)
-{
-    pith_vec3 *middles = arena_alloc(memory, surface->triangle_count, sizeof *middles);
-    *nearest = arena_alloc(memory, surface->triangle_count, sizeof **nearest);
-    if (!middles || !*nearest) return PITH_OUT_OF_MEMORY(err, "painted faces");
-    for (uint32_t t = 0; t < surface->triangle_count; ++t) {
-        const uint32_t *corner = surface->triangles[t];
-        const pith_vec3 sum = pith_add(pith_add(surface->positions[corner[0]], surface->positions[corner[1]]),
-                                       surface->positions[corner[2]]);
-        middles[t] = pith_scale(sum, 1.0 / 3.0);
-    }
-    pith_tracer *tracer = NULL;
-    PITH_TRY(pith_tracer_create(mesh, &tracer, err));
-    pith_tracer_nearest(tracer, middles, surface->triangle_count, *nearest);
-    pith_tracer_destroy(tracer);
-    return PITH_OK;
-}
-
-/* Faces in a document are triangles of the cleaned mesh, listed or by where they look; the field wants those of the
-   tets' surface, which may be ordered otherwise, refined, or remeshed. A surface triangle belongs to the mesh triangle
-   nearest to its middle. */
-static pith_status map_faces(pith_model *model, const pith_tets *tets, pith_depth_constraint *constraints,
-                             size_t count, arena *memory, pith_error *err)
-{
-    bool any = false;
-    for (size_t i = 0; i < count; ++i) any |= constraints[i].kind == PITH_DEPTH_FACES;
-    if (!any) return PITH_OK;
-
-    const pith_mesh *mesh;
-    pith_mesh *surface = NULL;
-    pith_nearest *nearest = NULL;
-    PITH_TRY(pith_model_mesh(model, &mesh, NULL, err));
-    PITH_TRY(pith_tets_surface(tets, &surface, NULL, NULL, err));
-    const pith_mesh_view inner = pith_mesh_look(mesh), outer = pith_mesh_look(surface);
-    bool *chosen = arena_alloc(memory, inner.triangle_count, sizeof *chosen);
-    pith_status status = chosen ? find_nearest(&inner, &outer, memory, &nearest, err)
-                                : PITH_OUT_OF_MEMORY(err, "painted faces");
-    for (size_t i = 0; status == PITH_OK && i < count; ++i) {
-        pith_depth_constraint *c = &constraints[i];
-        if (c->kind != PITH_DEPTH_FACES) continue;
-        memset(chosen, 0, inner.triangle_count * sizeof *chosen);
-        status = c->faces ? choose_listed(model, i, &inner, chosen, err) : choose_facing(model, i, &inner, chosen, err);
-        uint32_t *faces = status == PITH_OK ? arena_alloc(memory, outer.triangle_count, sizeof *faces) : NULL;
-        if (status == PITH_OK && !faces) status = PITH_OUT_OF_MEMORY(err, "painted faces");
-        if (status != PITH_OK) break;
-        c->count = 0;
-        for (uint32_t t = 0; t < outer.triangle_count; ++t)
-            if (nearest[t].triangle != PITH_NONE && chosen[nearest[t].triangle]) faces[c->count++] = t;
-        c->faces = faces;
-    }
-    pith_mesh_destroy(surface);
-    return status;
-}
-
 pith_status model_build_depth(pith_model *model, const pith_tets *tets, double *depth, pith_vec3 *gradient,
                               pith_error *err)
 {
@@ -114,7 +16,7 @@ pith_status model_build_depth(pith_model *model, const pith_tets *tets, double *
     pith_depth_constraint *constraints = arena_alloc(&memory, body->constraint_count, sizeof *constraints);
     if (!constraints) return PITH_OUT_OF_MEMORY(err, "constraints");
     memcpy(constraints, body->constraints, body->constraint_count * sizeof *constraints);
-    pith_status status = map_faces(model, tets, constraints, body->constraint_count, &memory, err);
+    pith_status status = model_map_faces(model, tets, constraints, body->constraint_count, &memory, err);
     if (status == PITH_OK) {
         status = pith_depth_field(tets, constraints, body->constraint_count, &body->depth, depth, gradient, err);
         if (status != PITH_OK)

@@ -1,7 +1,7 @@
 /* A model from the inside: what has been built so far. model.c is its life and its cache; sharing.c holds what was built
-   and shares it with other models; model_shape.c, model_fields.c and model_solid.c build the stages of a body; cuts.c
-   has the cuts, levels.c cuts bodies to parts, parts.c hides and moves them, pieces.c makes their shells; items.c looks
-   at them. */
+   and shares it with other models; model_shape.c, model_fields.c, model_faces.c and model_solid.c build the stages of a
+   body; cuts.c has the cuts, levels.c cuts bodies to parts, parts.c hides and moves them, pieces.c makes their shells;
+   items.c looks at them. */
 #ifndef PITH_MODEL_INTERNAL_H
 #define PITH_MODEL_INTERNAL_H
 
@@ -22,7 +22,7 @@ void holding_release(holding *shared);
 /* What is built of a body, and can be shared. */
 typedef enum model_stage {
     STAGE_MESH, STAGE_TETS, STAGE_LOCATOR, STAGE_DEPTH, STAGE_GRADIENT, STAGE_SECONDARY, STAGE_VECTORS, STAGE_DIRECTIONS,
-    STAGE_SCALE, STAGE_EXEMPLAR, STAGE_FILL, STAGE_SOLID, STAGE_WHOLE, STAGE_COUNT
+    STAGE_SCALE, STAGE_EXEMPLAR, STAGE_FILL, STAGE_SOLID, STAGE_WHOLE, STAGE_PAINTED, STAGE_FACES, STAGE_COUNT
 } model_stage;
 
 /* The exemplar of a paste. */
@@ -118,6 +118,8 @@ struct pith_model {
     pith_lapped_report fill_report;
     bool has_fill_report;
     pith_part *whole;
+    float *painted;             /* [the mesh's triangle_count] */
+    uint32_t (*faces)[4];       /* [tet_count] triangles of the mesh */
     stamp *stamps;              /* [stamp_count] */
     size_t stamp_count, stamp_capacity;
 
@@ -175,6 +177,9 @@ void model_note_damage(pith_model *model, const char *what, const pith_error *er
    caller. */
 pith_status model_build_depth(pith_model *model, const pith_tets *tets, double *depth, pith_vec3 *gradient,
                               pith_error *err);
+/* Turns constraints of faces of the cleaned mesh into such of the tets' surface; lists are in the arena's memory. */
+pith_status model_map_faces(pith_model *model, const pith_tets *tets, pith_depth_constraint *constraints, size_t count,
+                            arena *memory, pith_error *err);
 pith_status model_build_secondary(pith_model *model, const pith_tets *tets, const pith_locator *locator,
                                   const double *depth, const pith_vec3 *gradient, pith_vec3 *secondary,
                                   pith_error *err);

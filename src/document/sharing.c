@@ -62,6 +62,8 @@ static const struct stage_row {
     ROW(STAGE_EXEMPLAR, exemplar, exemplar, drop_exemplar, STAGE_EXEMPLAR),
     ROW(STAGE_FILL, fill, patches, drop_solid, STAGE_TETS),
     ROW(STAGE_SOLID, solid, solid, drop_solid, STAGE_TETS),
+    ROW(STAGE_PAINTED, painted, painted, pith_free, STAGE_PAINTED),
+    ROW(STAGE_FACES, faces, tets, pith_free, STAGE_FACES),
     ROW(STAGE_WHOLE, whole, tets, drop_part, STAGE_WHOLE),
 #undef ROW
 };

@@ -144,16 +144,6 @@ uint64_t hash_options(const pith_params *table, const void *options, uint64_t se
     return hash;
 }
 
-static pith_status hash_file(const char *path, uint64_t *hash, pith_error *err)
-{
-    unsigned char *bytes;
-    size_t size;
-    PITH_TRY(pith_file_read(path, &bytes, &size, err));
-    *hash = pith_hash_bytes(bytes, size, *hash);
-    pith_free(bytes);
-    return PITH_OK;
-}
-
 static uint64_t hash_constraints(const document_body *body, uint64_t hash)
 {
     for (size_t i = 0; i < body->constraint_count; ++i) {
@@ -263,6 +253,7 @@ pith_status stage_keys_of(const document_body *body, stage_keys *keys, pith_erro
     const uint64_t start = pith_mix64(STAGE_VERSION);
     made.mesh = made.exemplar = made.patches = start;
     PITH_TRY(hash_form(body, &made.mesh, err));
+    made.painted = hash_constraints(body, made.mesh);
     made.tets = hash_tets(body, made.mesh);
     made.voxels = hash_vectors(&body->vectors, made.mesh);
     made.depth = hash_constraints(body, made.tets);

@@ -56,6 +56,8 @@ static pith_status build_all(pith_model *model, pith_error *error)
     PITH_TRY(pith_model_directions(model, NULL, error));
     PITH_TRY(pith_model_scale(model, NULL, error));
     PITH_TRY(pith_model_part(model, NULL, error));
+    PITH_TRY(pith_model_painted(model, NULL, NULL, error));
+    PITH_TRY(pith_model_surface_faces(model, NULL, error));
     return pith_model_solid(model, NULL, error);
 }
 
@@ -110,7 +112,7 @@ static const struct edit_case { const char *operation; unsigned kept; } edits[] 
     { "{ \"op\": \"paste.remove\" }", ALL & ~BIT(SOLID) },
     { "{ \"op\": \"direction.stroke\", \"points\": [[0.5, 0, 0], [0.5, 0.1, 0]] }", ALL & ~(BIT(SECONDARY) | SOLIDS) },
     { "{ \"op\": \"depth.points\", \"points\": [[0.3, 0, 0]], \"depth\": 0.9 }",
-      ALL & ~(DEPTHS | BIT(SECONDARY) | SOLIDS) },
+      ALL & ~(DEPTHS | BIT(SECONDARY) | SOLIDS | BIT(PAINTED)) },
     { "{ \"op\": \"vectors.inside\", \"points\": [[0.2, 0, 0], [0.3, 0, 0]] }", ALL & ~(BIT(VECTORS) | BIT(DIRECTIONS)) },
     { "{ \"op\": \"scale.point\", \"point\": [0.1, 0, 0], \"size\": 0.4 }", ALL & ~BIT(SCALE) },
     { "{ \"op\": \"solid.choose\", \"name\": \"rock\" }", ALL & ~SOLIDS },
@@ -118,7 +120,7 @@ static const struct edit_case { const char *operation; unsigned kept; } edits[] 
     { "{ \"op\": \"set\", \"path\": \"solids[0].exemplar\", \"value\": { \"layered\": " SECOND_RECIPE " } }",
       ALL & ~(SOLIDS | BIT(EXEMPLAR)) },
     { "{ \"op\": \"set\", \"path\": \"shape.tets.tetrahedra\", \"value\": 700 }",
-      BIT(MESH) | BIT(VECTORS) | BIT(EXEMPLAR) },
+      BIT(MESH) | BIT(PAINTED) | BIT(VECTORS) | BIT(EXEMPLAR) },
     { "{ \"op\": \"set\", \"path\": \"shape.fruit.radius_z\", \"value\": 1.1 }", BIT(EXEMPLAR) },
 };
 
