@@ -120,6 +120,7 @@ static pith_status answer_layer(viewer *own, const question *at, size_t body, pa
     const pith_mesh_view view = pith_mesh_look(mesh);
     packet_maker *maker = begin("layer", at, body);
     json_object_set_new(packet_text(maker), "range", json_pack("[ff]", seen.lowest, seen.highest));
+    json_object_set(packet_text(maker), "depth", json_object_get(at->asked, "depth"));
     put_points(maker, "positions", view.positions, view.vertex_count);
     put_points(maker, "normals", view.normals, view.vertex_count);
     packet_borrow(maker, "triangles", PACKET_U32, view.triangles, 3 * (size_t)view.triangle_count);
