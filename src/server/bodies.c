@@ -38,7 +38,7 @@ const char *body_type(const held_document *held, size_t index)
 {
     const json_t *solid = body_solid(held, index);
     const char *kind = json_string_value(json_object_get(solid, "kind"));
-    if (!kind || strcmp(kind, "lapped") != 0) return kind;
+    if (!kind || strcmp(kind, "lapped") != 0) return "";
     const json_t *type = json_object_get(solid, "type");
     const pith_param *param = pith_params_find(&pith_lapped_params, "type");
     return type ? json_string_value(type) : param->choices[(size_t)param->standard];
@@ -59,6 +59,9 @@ pith_status body_find(const held_document *held, const char *name, size_t *index
     if (!name)
         return pith_fail(err, PITH_BAD_ARGUMENT, "body: is missing, and the document has %zu; e.g. \"%s\"", count,
                          names[0]);
+    if (!names[0][0])
+        return pith_fail(err, PITH_BAD_ARGUMENT, "body: is \"%.60s\", but the document's only body has no name; leave it "
+                         "out", name);
     const char *near = pith_nearest_word(name, names);
     return pith_fail(err, PITH_BAD_ARGUMENT, "body: no body is called \"%.60s\"%s%s%s", name,
                      near ? "; did you mean \"" : "", near ? near : "", near ? "\"?" : "");

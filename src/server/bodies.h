@@ -12,7 +12,7 @@ bool body_has_solid(const held_document *held, size_t index);
 bool body_has_depth(const held_document *held, size_t index);
 /* The solid the body is made of; NULL when it has none. */
 const json_t *body_solid(const held_document *held, size_t index);
-/* Its texture type ("1-B"), or its kind where that has no types ("grid"); NULL when there is no solid. */
+/* Its texture type ("1-B"); "" when it has no lapped solid. */
 const char *body_type(const held_document *held, size_t index);
 /* The body of this name; without a name the only one. PITH_BAD_ARGUMENT offers the nearest. */
 pith_status body_find(const held_document *held, const char *name, size_t *index, pith_error *err);

@@ -28,13 +28,14 @@ struct builder {
     bool cache;
     builder_calls calls;
     pthread_t thread;
-    pthread_mutex_t lock;       /* of everything down to `done` */
+    pthread_mutex_t lock;       /* of everything down to `done_kind` */
     pthread_cond_t more;
     bool ending;
     uint32_t last_number;
     job *waiting, *running;
     builder_failure failure;
-    uint64_t done;              /* signature of the update of solids that was the last to begin, when it is done; else 0 */
+    uint64_t done;              /* signature of the update that was the last to begin, when it is done; else 0 */
+    job_kind done_kind;
     built_model *stock;         /* of the builder's thread: what was built last */
 };
 
@@ -168,7 +169,8 @@ static void remember(builder *own, const job *at, const char *message)
     pthread_mutex_lock(&own->lock);
     own->failure = (builder_failure){ .signature = message ? at->signature : 0, .body = at->body };
     if (message) snprintf(own->failure.message, sizeof own->failure.message, "%s", message);
-    if (!message && at->kind == JOB_SOLID) own->done = at->signature;
+    own->done = message ? 0 : at->signature;
+    own->done_kind = at->kind;
     pthread_mutex_unlock(&own->lock);
 }
 
@@ -337,10 +339,10 @@ bool builder_is_at(builder *own, job_kind what, uint64_t signature)
     return found;
 }
 
-bool builder_has_done(builder *own, uint64_t signature)
+bool builder_has_done(builder *own, job_kind what, uint64_t signature)
 {
     pthread_mutex_lock(&own->lock);
-    const bool done = own->done == signature;
+    const bool done = own->done == signature && (own->done_kind == JOB_SOLID || own->done_kind == what);
     pthread_mutex_unlock(&own->lock);
     return done;
 }

@@ -49,8 +49,8 @@ uint32_t builder_picture(builder *own, const picture_wish *wish);
 bool builder_cancel(builder *own, uint32_t job);
 /* Is an update for this waiting or running? JOB_SOLID builds the fields too. */
 bool builder_is_at(builder *own, job_kind what, uint64_t signature);
-/* Was the update that began last one of solids for this, and is it done? */
-bool builder_has_done(builder *own, uint64_t signature);
+/* Was the update that began last one for this, and is it done? */
+bool builder_has_done(builder *own, job_kind what, uint64_t signature);
 /* Cancels every update that waits or runs. */
 void builder_cancel_updates(builder *own);
 

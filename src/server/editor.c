@@ -57,6 +57,37 @@ static const argument of_file_put[] = {
     NO_MORE,
 };
 
+#define BODY { "body", ARGUMENT_TEXT, false, 0, 0, NULL }
+static const char *const field_words[] = { "primary", "secondary", "tertiary", "vectors", NULL };
+static const char *const place_words[] = { "body", "layer", "skin", "section", NULL };
+static const argument of_layer[] = {
+    BODY,
+    { "depth", ARGUMENT_NUMBER, true, 0, 1, NULL },
+    NO_MORE,
+};
+static const argument of_lines[] = {
+    BODY,
+    { "of", ARGUMENT_TEXT, false, 0, 0, field_words },
+    { "where", ARGUMENT_TEXT, true, 0, 0, place_words },
+    { "depth", ARGUMENT_NUMBER, false, 0, 1, NULL },
+    { "spacing", ARGUMENT_NUMBER, false, 0, 1, NULL },
+    NO_MORE,
+};
+static const argument of_section[] = {
+    { "plane", ARGUMENT_OBJECT, true, 0, 0, NULL },
+    NO_MORE,
+};
+static const argument of_exemplar[] = {
+    BODY,
+    { "solid", ARGUMENT_TEXT, false, 0, 0, NULL },
+    { "exemplar", ARGUMENT_OBJECT, false, 0, 0, NULL },
+    NO_MORE,
+};
+static const argument of_recipe[] = {
+    { "path", ARGUMENT_TEXT, true, 0, 0, NULL },
+    NO_MORE,
+};
+
 const verb editor_verbs[] = {
     { "hello", false, none, false, do_hello },
     { "apply", false, of_apply, false, do_apply },
@@ -67,6 +98,11 @@ const verb editor_verbs[] = {
     { "update", false, of_update, false, do_update },
     { "cancel", false, of_cancel, false, do_cancel },
     { "automatic", false, of_automatic, false, do_automatic },
+    { "layer", false, of_layer, false, do_layer },
+    { "lines", false, of_lines, false, do_lines },
+    { "section", false, of_section, false, do_section },
+    { "exemplar", false, of_exemplar, false, do_exemplar },
+    { "recipe", false, of_recipe, false, do_recipe },
     { "files", false, of_files, false, do_files },
     { "file.put", true, of_file_put, false, do_file_put },
     { "picture", false, of_picture, true, do_picture },
@@ -144,6 +180,7 @@ static pith_status start(editor *own, const char *path, pith_error *err)
     const builder_calls calls = { model_arrived, something_came_up, own };
     PITH_TRY(session_open(path, &own->opened, err));
     PITH_TRY(viewer_create(session_path(own->opened), own->out, something_came_up, own, &own->view, err));
+    PITH_TRY(errands_create(session_path(own->opened), own->out, &own->errands, err));
     PITH_TRY(builder_create(own->out, own->cache, &calls, &own->build, err));
     build_document_changed(own);
     return PITH_OK;
@@ -174,6 +211,7 @@ void editor_close(editor *own)
     if (!own) return;
     builder_destroy(own->build);
     viewer_destroy(own->view);
+    errands_destroy(own->errands);
     session_close(own->opened);
     pith_free(own->state);
     free(own->told_bodies);

@@ -7,6 +7,7 @@
 #define PITH_SERVER_EDITOR_H
 
 #include "builder.h"
+#include "errands.h"
 #include "files.h"
 #include "outbox.h"
 #include "request.h"
@@ -26,10 +27,12 @@ struct editor {
     bool cache, automatic;
     builder *build;
     viewer *view;
+    errands *errands;
     void (*wake)(void *user);   /* makes the sockets' thread call editor_woken */
     void *wake_user;
     viewer_state *state;        /* what the viewer said last; NULL: nothing yet */
     char *told_bodies;          /* the list that pages were told last */
+    bool asked_to_look;         /* a question waits for a model to be built */
     uint64_t declined;          /* the build signature of what somebody cancelled: it does not start by itself again */
 };
 
@@ -77,6 +80,14 @@ json_t *build_bodies(const editor *own);
 
 pith_status do_files(editor *own, request *asked, pith_error *err);
 pith_status do_file_put(editor *own, request *asked, pith_error *err);
+
+/* ---- looking: requests_look.c ---------------------------------------------------------------------------------------- */
+
+pith_status do_layer(editor *own, request *asked, pith_error *err);
+pith_status do_lines(editor *own, request *asked, pith_error *err);
+pith_status do_section(editor *own, request *asked, pith_error *err);
+pith_status do_exemplar(editor *own, request *asked, pith_error *err);
+pith_status do_recipe(editor *own, request *asked, pith_error *err);
 
 /* ---- pictures: requests_picture.c ------------------------------------------------------------------------------------ */
 

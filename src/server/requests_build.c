@@ -28,7 +28,7 @@ json_t *build_bodies(const editor *own)
         const char *type = body_type(held, i), *why = reason(held, i, &failure, signature);
         json_t *built = json_pack("{sb sb sb sb}", "mesh", state.built.mesh, "tets", state.built.tets, "fields",
                                   state.built.fields, "solid", state.built.solid);
-        json_array_append_new(list, json_pack("{ss ss? so sb ss?}", "name",
+        json_array_append_new(list, json_pack("{ss ss so sb ss?}", "name",
                                               pith_document_body_name(held->document, i), "type", type, "built", built,
                                               "shown", state.shown, "why", why));
     }
@@ -83,9 +83,24 @@ static void build_what_is_due(editor *own)
     held_document *held = session_present(own->opened);
     const uint64_t signature = document_build_signature(held);
     if (builder_last_failure(own->build).signature == signature || own->declined == signature) return;
-    if (builder_is_at(own->build, JOB_SOLID, signature) || builder_has_done(own->build, signature)) return;
+    if (builder_is_at(own->build, JOB_SOLID, signature) || builder_has_done(own->build, JOB_SOLID, signature)) return;
     builder_cancel_updates(own->build);
     builder_update(own->build, held, JOB_SOLID, signature);
+}
+
+/* Somebody asked to look, and there is no model yet: the fields are built, or it is said why they cannot be. */
+static void build_what_is_asked(editor *own)
+{
+    if (!own->asked_to_look || !own->state) return;
+    held_document *held = session_present(own->opened);
+    const uint64_t signature = document_build_signature(held);
+    const builder_failure failure = builder_last_failure(own->build);
+    if (!own->state->shows && builder_is_at(own->build, JOB_FIELDS, signature)) return;
+    own->asked_to_look = false;
+    if (own->state->shows || builder_has_done(own->build, JOB_FIELDS, signature)) return;
+    if (failure.signature == signature) viewer_refuse_questions(own->view, failure.message);
+    else if (own->declined == signature) viewer_refuse_questions(own->view, "building the model was cancelled");
+    else own->asked_to_look = builder_update(own->build, held, JOB_FIELDS, signature) != 0;
 }
 
 void build_look(editor *own)
@@ -97,6 +112,7 @@ void build_look(editor *own)
     }
     tell_bodies(own);
     build_what_is_due(own);
+    build_what_is_asked(own);
 }
 
 /* ---- requests ------------------------------------------------------------------------------------------------------ */

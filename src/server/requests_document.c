@@ -89,6 +89,31 @@ static void changed(editor *own, request *asked)
     build_document_changed(own);
 }
 
+static bool is_among(char *const *files, size_t count, const char *path)
+{
+    for (size_t i = 0; i < count; ++i)
+        if (strcmp(files[i], path) == 0) return true;
+    return false;
+}
+
+/* What came out names no file out of reach that the document did not name before, not by way of a recipe either. */
+static pith_status check_files(void *user, const pith_document *before, const pith_document *after, pith_error *err)
+{
+    const file_places places = editor_places(user);
+    char **old = NULL, **new = NULL;
+    size_t old_count = 0, new_count = 0;
+    pith_status status = pith_document_files(after, &new, &new_count, err);
+    /* A recipe of the old document that has gone bad since is no reason to refuse the new one. */
+    if (status == PITH_OK && pith_document_files(before, &old, &old_count, NULL) != PITH_OK) old_count = 0;
+    for (size_t i = 0; status == PITH_OK && i < new_count; ++i)
+        if (files_beyond(&places, new[i]) && !is_among(old, old_count, new[i]))
+            status = pith_fail(err, PITH_BAD_ARGUMENT, "%.300s is neither in the document's folder, nor below it, nor "
+                               "shipped with pith; copy it there first", new[i]);
+    pith_free(old);
+    pith_free(new);
+    return status;
+}
+
 pith_status do_apply(editor *own, request *asked, pith_error *err)
 {
     PITH_TRY(check_revision(own, asked, err));
@@ -98,7 +123,7 @@ pith_status do_apply(editor *own, request *asked, pith_error *err)
     char *operations = json_dumps(wanted, JSON_COMPACT);
     if (!operations) return PITH_OUT_OF_MEMORY(err, "operations");
     const pith_status status = session_apply(own->opened, request_text(asked, "name", ""), operations,
-                                             strlen(operations), NULL, own, err);
+                                             strlen(operations), check_files, own, err);
     free(operations);
     if (status == PITH_OK) changed(own, asked);
     return status;

@@ -72,6 +72,10 @@ static void orders_clear(viewer_orders *orders)
     for (size_t i = 0; i < orders->arrived_count; ++i) built_model_destroy(orders->arrived[i]);
     pith_free(orders->arrived);
     pith_free(orders->hellos);
+    for (question *at = orders->questions, *next; at; at = next) {
+        next = at->next;
+        question_destroy(at);
+    }
     *orders = (viewer_orders){ .held = NULL };
 }
 
@@ -80,6 +84,14 @@ static void orders_clear(viewer_orders *orders)
 static bool anything(const viewer_orders *orders)
 {
     return orders->held || orders->arrived_count || orders->hello_count;
+}
+
+/* The first question, once there is something to answer it from. The lock is held. */
+static question *take_question(viewer *own)
+{
+    question *first = own->base ? own->orders.questions : NULL;
+    if (first) own->orders.questions = first->next;
+    return first;
 }
 
 /* All that has come up since the last turn is looked at once. */
@@ -101,14 +113,21 @@ static void *work(void *user)
     viewer *own = user;
     pthread_mutex_lock(&own->lock);
     while (!own->ending) {
-        if (!anything(&own->orders)) {
+        question *asked = anything(&own->orders) ? NULL : take_question(own);
+        if (!asked && !anything(&own->orders)) {
             pthread_cond_wait(&own->more, &own->lock);
             continue;
         }
         viewer_orders orders = own->orders;
-        own->orders = (viewer_orders){ .held = NULL };
+        own->orders = (viewer_orders){ .questions = orders.questions };
+        orders.questions = NULL;
         pthread_mutex_unlock(&own->lock);
-        obey(own, &orders);
+        if (asked) {
+            viewer_answer(own, asked);
+            question_destroy(asked);
+        } else {
+            obey(own, &orders);
+        }
         orders_clear(&orders);
         pthread_mutex_lock(&own->lock);
     }

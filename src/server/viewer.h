@@ -17,6 +17,7 @@ typedef struct body_state {
 enum { MOST_BODY_STATES = 1000 };
 typedef struct viewer_state {
     uint64_t revision;          /* of the document that this says something about; 0: none yet */
+    bool shows;                 /* is there a model to look at? */
     size_t count;
     body_state bodies[];        /* [count] */
 } viewer_state;
@@ -31,6 +32,13 @@ void viewer_destroy(viewer *gone);
 void viewer_document(viewer *own, held_document *held, uint64_t revision);  /* the present document is another */
 void viewer_arrive(viewer *own, built_model *made);                         /* takes the model over */
 void viewer_hello(viewer *own, uint32_t socket);                            /* sends it all that there is to see */
+/* A question about what is shown, answered to the socket by a packet or a refusal; `asked` are the keys of the request, and
+   are taken over, also after a failure. It waits until there is a model to look at. One that a newer question of the same
+   socket makes useless (the layer of another depth) is refused as superseded when it still waits. */
+typedef enum question_kind { QUESTION_LAYER, QUESTION_LINES, QUESTION_SECTION } question_kind;
+pith_status viewer_ask(viewer *own, question_kind kind, uint32_t socket, json_int_t id, json_t *asked, pith_error *err);
+/* Refuses all that waits: there will be no model to look at. */
+void viewer_refuse_questions(viewer *own, const char *message);
 /* The state, for the caller to free with pith_free; NULL when there is none yet, or no memory. */
 viewer_state *viewer_look(viewer *own);
 

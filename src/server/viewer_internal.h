@@ -6,6 +6,19 @@
 
 #include "viewer.h"
 
+typedef struct question {
+    question_kind kind;
+    uint32_t socket;
+    json_int_t id;
+    json_t *asked;
+    struct question *next;
+} question;
+void question_destroy(question *gone);
+
+/* Looks are made once for a body and a field. */
+enum { MOST_LOOKS = 8 };
+typedef struct kept_look { size_t body; pith_look_options options; pith_look *look; } kept_look;
+
 /* What has come up and was not looked at yet. */
 typedef struct viewer_orders {
     held_document *held;        /* the newest; NULL: none came */
@@ -14,6 +27,7 @@ typedef struct viewer_orders {
     size_t arrived_count, arrived_capacity;
     uint32_t *hellos;
     size_t hello_count, hello_capacity;
+    question *questions;        /* the oldest first */
 } viewer_orders;
 
 /* What pages were sent of a body. The pointers are compared, never followed. */
@@ -48,6 +62,8 @@ struct viewer {
     size_t sent_count, sent_capacity;
     packet *view_packet;
     uint64_t serial;
+    kept_look looks[MOST_LOOKS];/* of what is shown */
+    size_t look_count;
 };
 
 /* viewer.c */
@@ -61,5 +77,11 @@ void viewer_take_model(viewer *own, built_model *made);                 /* takes
 void viewer_refresh(viewer *own);
 void viewer_send_all(viewer *own, uint32_t socket);
 void viewer_clear_models(viewer *own);
+/* The model that is shown, cut as the present document says; NULL as long as there is none. */
+const built_model *viewer_shown(const viewer *own);
+
+/* viewer_questions.c */
+void viewer_answer(viewer *own, const question *at);                    /* there is something shown */
+void viewer_clear_looks(viewer *own);                                   /* before what is shown goes */
 
 #endif

@@ -8,6 +8,8 @@
 
 /* ---- models -------------------------------------------------------------------------------------------------------- */
 
+const built_model *viewer_shown(const viewer *own) { return own->cut ? own->cut : own->base; }
+
 /* Destroyed after the next refresh. */
 static void let_go(viewer *own, built_model *gone)
 {
@@ -54,6 +56,7 @@ static void cut_anew(viewer *own)
         document_release(held);
         if (!made) return;
     }
+    viewer_clear_looks(own);
     let_go(own, own->cut);
     own->cut = made;
     own->view_signature = wanted;
@@ -102,6 +105,7 @@ void viewer_take_model(viewer *own, built_model *made)
         let_go(own, made);
         return;
     }
+    viewer_clear_looks(own);
     let_go(own, own->base);
     let_go(own, own->cut);
     own->base = made;
@@ -126,7 +130,7 @@ static void send(viewer *own, packet *made, packet **kept, const char *kind, con
 /* The body of this name in what is shown, or NULL. */
 static pith_model *shown_body(const viewer *own, const char *name)
 {
-    const built_model *shown = own->cut ? own->cut : own->base;
+    const built_model *shown = viewer_shown(own);
     pith_model *body = NULL;
     for (size_t i = 0; shown && i < pith_document_bodies(shown->held->document); ++i)
         if (strcmp(pith_document_body_name(shown->held->document, i), name) == 0)
@@ -187,7 +191,7 @@ static pith_status refresh_view(viewer *own, pith_error *err)
     own->view_changed = false; /* also after a failure: the same cut would fail the same way */
     const pack_stamp mark = stamp(own);
     packet *made = NULL;
-    PITH_TRY(pack_view((own->cut ? own->cut : own->base)->model, &mark, &made, err));
+    PITH_TRY(pack_view(viewer_shown(own)->model, &mark, &made, err));
     send(own, made, &own->view_packet, "view", "");
     return PITH_OK;
 }
@@ -216,7 +220,7 @@ static void tell_state(viewer *own)
     const size_t count = own->sent_count;
     viewer_state *state = pith_alloc(1, sizeof *state + count * sizeof *state->bodies);
     if (!state) return;
-    *state = (viewer_state){ .revision = own->revision, .count = count };
+    *state = (viewer_state){ .revision = own->revision, .shows = own->base != NULL, .count = count };
     for (size_t i = 0; i < count; ++i) {
         pith_model *body = NULL, *shown = shown_body(own, pith_document_body_name(own->present->held->document, i));
         const pith_solid *meant = NULL, *seen = NULL;
@@ -258,6 +262,7 @@ void viewer_send_all(viewer *own, uint32_t socket)
 
 void viewer_clear_models(viewer *own)
 {
+    viewer_clear_looks(own);
     let_go(own, own->present);
     let_go(own, own->base);
     let_go(own, own->cut);

@@ -45,7 +45,8 @@ export class Viewport {
   private readonly shared = sharedUniforms();
   private readonly floor: THREE.Mesh;
   private layer: { mesh: THREE.Mesh; body: number } | null = null;
-  private lines: THREE.LineSegments[] = [];
+  private lines: THREE.Mesh[] = [];
+  private readonly resolution = { value: new THREE.Vector2(1, 1) };
   private section: View | null = null;
   private ghostOn = false;
   private wanted = false;
@@ -246,8 +247,8 @@ export class Viewport {
       old.geometry.dispose();
       (old.material as THREE.Material).dispose();
     }
-    this.lines = packets.map((packet) => lineObject(packet, this.view?.parts ?? []));
-    this.scene.add(...this.lines);
+    this.lines = packets.map((packet) => lineObject(packet, this.view?.parts ?? [], this.resolution));
+    if (this.lines.length > 0) this.scene.add(...this.lines);
     this.invalidate();
   }
 
@@ -353,6 +354,7 @@ export class Viewport {
     this.coarse = false;
     this.renderer.setPixelRatio(ratio);
     this.renderer.setSize(width, height);
+    this.resolution.value.set(width, height);
     this.overlay.resize(width, height, ratio);
     this.table.resize(width, height);
     this.draw();

@@ -1,0 +1,183 @@
+/* Exemplars for looking at. */
+#include "errands.h"
+
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "pith/document.h"
+#include "request.h"
+
+typedef struct errand {
+    uint32_t socket;
+    json_int_t id;
+    json_t *exemplar;
+    struct errand *next;
+} errand;
+
+struct errands {
+    const char *path;
+    outbox *out;
+    pthread_t thread;
+    pthread_mutex_t lock;
+    pthread_cond_t more;
+    bool ending;
+    errand *first, **end;
+};
+
+/* ---- one exemplar -------------------------------------------------------------------------------------------------- */
+
+static unsigned char to_byte(float value) { return (unsigned char)(fminf(fmaxf(value, 0.0f), 1.0f) * 255.0f + 0.5f); }
+
+/* Recipes repeat along r and t, and along s when they are made so; of other exemplars nobody says. */
+static json_t *wraps(const errands *own, const json_t *exemplar)
+{
+    const json_t *layered = json_object_get(exemplar, "layered");
+    const char *file = json_string_value(json_object_get(exemplar, "recipe"));
+    bool homogeneous = json_is_true(json_object_get(layered, "homogeneous"));
+    char *path = file ? pith_path_join(own->path, file) : NULL;
+    pith_recipe *recipe = NULL;
+    if (path && pith_recipe_load(path, &recipe, NULL) == PITH_OK) homogeneous = pith_recipe_look(recipe)->homogeneous;
+    pith_recipe_destroy(recipe);
+    pith_free(path);
+    const bool made = layered || file;
+    return json_pack("[bbb]", made, made && homogeneous, made);
+}
+
+static pith_status pack(const errands *own, const pith_grid *grid, const json_t *exemplar, json_int_t id,
+                        packet **made, pith_error *err)
+{
+    const size_t count = (size_t)grid->size[0] * grid->size[1] * grid->size[2];
+    packet_maker *maker = packet_begin("exemplar");
+    json_t *text = packet_text(maker);
+    json_object_set_new(text, "id", json_integer(id));
+    json_object_set_new(text, "size", json_pack("[iii]", (int)grid->size[0], (int)grid->size[1], (int)grid->size[2]));
+    json_object_set_new(text, "channels", json_integer(grid->channels));
+    json_object_set_new(text, "wraps", wraps(own, exemplar));
+    unsigned char *voxels = packet_room(maker, "voxels", PACKET_U8, 4 * count);
+    for (size_t i = 0; voxels && i < count; ++i) {
+        const float *value = grid->values + i * grid->channels;
+        for (size_t c = 0; c < 3; ++c) voxels[4 * i + c] = to_byte(pith_srgb_encode(value[c]));
+        voxels[4 * i + 3] = grid->channels > 3 ? to_byte(value[3]) : 255;
+    }
+    return packet_finish(maker, made, err);
+}
+
+/* A document that has nothing but this exemplar: its check and its stages are those of every other. */
+static char *document_around(const json_t *exemplar)
+{
+    json_t *root = json_pack("{si s{s{}} s{s[{s[iii] si}]} s[{ss ss ss sO}]}", "pith", 1, "shape", "fruit", "scale",
+                             "points", "point", 0, 0, 0, "size", 1, "solids", "name", "exemplar", "kind", "lapped",
+                             "type", "0-A", "exemplar", (json_t *)exemplar);
+    char *text = root ? json_dumps(root, JSON_COMPACT) : NULL;
+    json_decref(root);
+    return text;
+}
+
+static pith_status make(const errands *own, const errand *at, packet **made, pith_error *err)
+{
+    char *text = document_around(at->exemplar);
+    if (!text) return PITH_OUT_OF_MEMORY(err, "an exemplar");
+    pith_document *document = NULL;
+    pith_model *model = NULL;
+    const pith_grid *grid = NULL;
+    const pith_model_options options = { .cache = false };
+    pith_status status = pith_document_parse(own->path, text, strlen(text), &document, err);
+    free(text);
+    if (status == PITH_OK) status = pith_model_create(document, &options, NULL, &model, err);
+    if (status == PITH_OK) status = pith_model_exemplar(model, &grid, err);
+    if (status == PITH_OK) status = pack(own, grid, at->exemplar, at->id, made, err);
+    pith_model_destroy(model);
+    pith_document_destroy(document);
+    return status;
+}
+
+static void run(errands *own, errand *at)
+{
+    /* The place is that in the document made for it; pages know the exemplar alone. */
+    static const char prefix[] = "solids[0].";
+    pith_error err = { PITH_OK, "" };
+    packet *made = NULL;
+    if (make(own, at, &made, &err) != PITH_OK) {
+        const char *place = strstr(err.message, prefix);
+        made = request_failure(at->id, pith_status_text(err.status), place ? place + strlen(prefix) : err.message);
+    }
+    outbox_put(own->out, at->socket, made);
+}
+
+/* ---- the thread ---------------------------------------------------------------------------------------------------- */
+
+static void *work(void *user)
+{
+    errands *own = user;
+    pthread_mutex_lock(&own->lock);
+    while (!own->ending) {
+        errand *at = own->first;
+        if (!at) {
+            pthread_cond_wait(&own->more, &own->lock);
+            continue;
+        }
+        own->first = at->next;
+        if (!own->first) own->end = &own->first;
+        pthread_mutex_unlock(&own->lock);
+        run(own, at);
+        json_decref(at->exemplar);
+        pith_free(at);
+        pthread_mutex_lock(&own->lock);
+    }
+    pthread_mutex_unlock(&own->lock);
+    return NULL;
+}
+
+void errands_exemplar(errands *own, uint32_t socket, json_int_t id, json_t *exemplar)
+{
+    errand *made = pith_alloc(1, sizeof *made);
+    if (!made) {
+        json_decref(exemplar);
+        outbox_put(own->out, socket, request_failure(id, pith_status_text(PITH_NO_MEMORY), "out of memory"));
+        return;
+    }
+    *made = (errand){ socket, id, exemplar, NULL };
+    pthread_mutex_lock(&own->lock);
+    *own->end = made;
+    own->end = &made->next;
+    pthread_cond_signal(&own->more);
+    pthread_mutex_unlock(&own->lock);
+}
+
+pith_status errands_create(const char *path, outbox *out, errands **made, pith_error *err)
+{
+    errands *own = pith_alloc(1, sizeof *own);
+    if (!own) return PITH_OUT_OF_MEMORY(err, "a thread");
+    own->path = path;
+    own->out = out;
+    own->end = &own->first;
+    pthread_mutex_init(&own->lock, NULL);
+    pthread_cond_init(&own->more, NULL);
+    if (pthread_create(&own->thread, NULL, work, own) == 0) {
+        *made = own;
+        return PITH_OK;
+    }
+    pthread_cond_destroy(&own->more);
+    pthread_mutex_destroy(&own->lock);
+    pith_free(own);
+    return pith_fail(err, PITH_EXTERNAL, "no thread can be made for exemplars");
+}
+
+void errands_destroy(errands *gone)
+{
+    if (!gone) return;
+    pthread_mutex_lock(&gone->lock);
+    gone->ending = true;
+    pthread_cond_signal(&gone->more);
+    pthread_mutex_unlock(&gone->lock);
+    pthread_join(gone->thread, NULL);
+    for (errand *at = gone->first, *next; at; at = next) {
+        next = at->next;
+        json_decref(at->exemplar);
+        pith_free(at);
+    }
+    pthread_cond_destroy(&gone->more);
+    pthread_mutex_destroy(&gone->lock);
+    pith_free(gone);
+}
