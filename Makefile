@@ -2,6 +2,9 @@
 #
 #   make demo            install what is missing, build, run the main job, say where the pictures are
 #   make check           install what is missing, build everything, run every test, then most again under sanitizers
+#   make editor          build the page of pith edit into build/editor (installs nodejs and npm)
+#   make check-editor    its tests in a real browser (installs chromium); part of make check
+#   make bench-editor    measure it in a real browser
 #   make fuzz            feed the readers damaged bytes (needs clang)
 #   make bench           measure, and keep the results under bench/results
 #   make gallery         make the pictures of docs/gallery again
@@ -11,7 +14,7 @@ JOBS := $(shell nproc 2>/dev/null || echo 2)
 BUILD := build
 SANITIZED := build-sanitize
 
-.PHONY: demo check check-sanitize fuzz bench gallery format clean
+.PHONY: demo check check-sanitize editor check-editor bench-editor fuzz bench gallery format clean
 
 demo: $(BUILD)/pith-configured
 	@tools/install-packages demo
@@ -29,7 +32,31 @@ check:
 	@cmake -G "Unix Makefiles" -S . -B $(BUILD) -DPITH_TESTS=ON -Wno-dev --log-level=WARNING >/dev/null
 	@cmake --build $(BUILD) -j $(JOBS) -- --no-print-directory -s
 	@cd $(BUILD) && ctest --output-on-failure --parallel 2
+	@$(MAKE) --no-print-directory check-editor
 	@$(MAKE) --no-print-directory check-sanitize
+
+# The page: its packages are installed once and again when their list changes, then everything is bundled.
+editor/node_modules/.installed: editor/package.json editor/package-lock.json
+	@tools/install-packages editor
+	@cd editor && npm ci --ignore-scripts --no-audit --no-fund --loglevel=error
+	@touch $@
+
+$(BUILD)/editor/index.html: editor/node_modules/.installed $(shell find editor/src editor/assets editor/index.html editor/build.mjs -type f)
+	@cd editor && node_modules/.bin/tsc --noEmit
+	@node editor/build.mjs $(BUILD)/editor
+
+editor: $(BUILD)/editor/index.html
+
+# The page's tests: the real program, a real browser.
+check-editor: editor $(BUILD)/pith-configured
+	@tools/install-packages browser
+	@cmake --build $(BUILD) --target pith pith-tetgen -j $(JOBS) -- --no-print-directory -s
+	@cd editor && node --test test/
+
+bench-editor: editor $(BUILD)/pith-configured
+	@tools/install-packages browser
+	@cmake --build $(BUILD) --target pith pith-tetgen -j $(JOBS) -- --no-print-directory -s
+	@node editor/bench/bench.mjs
 
 # Everything but the longest checks, under AddressSanitizer and UndefinedBehaviorSanitizer.
 check-sanitize:

@@ -17,6 +17,8 @@ bench_run bench_lapped, bench_fields, bench_render, bench_volume, bench_cut, ben
 
 /* Accuracy of orientations recovered from strokes; part of bench_fields. */
 bench_run bench_orientation;
+/* Streamlines on sections and skins; the same. */
+bench_run bench_look;
 /* A closed surface: the profile (radius, height), from axis to axis, turned about z; and a cylinder of radius 1. */
 pith_status bench_revolve(const double (*profile)[2], uint32_t count, uint32_t sides, pith_mesh **mesh, pith_error *err);
 pith_status bench_cylinder(uint32_t rings, uint32_t sides, pith_mesh **mesh, pith_error *err);

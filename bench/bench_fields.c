@@ -1,4 +1,5 @@
-/* pith bench fields: interpolation by radial basis functions and Laplacian smoothing, the two solves behind the fields. */
+/* pith bench fields: interpolation by radial basis functions and Laplacian smoothing, the two solves behind the fields;
+   the fields themselves, and how they are looked at. */
 #include "bench.h"
 
 enum { CENTRES = 5000, EVALUATIONS = 1000000 };
@@ -283,5 +284,6 @@ pith_status bench_fields(const bench_options *options, json_t *cases, pith_error
     PITH_TRY(bench_tangent(options, cases, err));
     PITH_TRY(bench_volume_field(options, cases, err));
     PITH_TRY(bench_on_tets("frame field", measure_frames, 200000, 5, options, cases, err));
+    PITH_TRY(bench_look(options, cases, err));
     return bench_orientation(options, cases, err);
 }

@@ -63,6 +63,10 @@ void pith_part_weights(const pith_part *part, double (*weights)[4][4]);
  *  PITH_BAD_ARGUMENT for values that are not finite. O(tets), parallel. */
 pith_status pith_part_cut(const pith_part *part, const double *values, pith_shell **negative, pith_shell **positive,
                           pith_error *err);
+/** The section alone: the triangles that such a cut would add to the shell of the negative side, turned towards the
+ *  positive one; an open shell, empty where the zero does not meet the part. For looking at a cut before making it.
+ *  O(tets), parallel where the search for crossed tets is. Errors as above. */
+pith_status pith_part_section(const pith_part *part, const double *values, pith_shell **section, pith_error *err);
 /** Splits the part into two along the same zero: every crossed tet is divided into tets of either side, consistently
  *  across faces (Dompierre et al. 1999), so that either part can be cut again; either may be NULL when not wanted. Cut
  *  points within 1e-5 of an edge's length of a vertex, and vertices within 1e-8 of the model's diagonal of the cut, go

@@ -190,6 +190,12 @@ typedef struct pith_model_piece {
  *  keep in memory what its cuts make on the way (up to 1 GiB), so that one cut more or less is one cut's work. */
 pith_status pith_model_pieces(pith_model *model, bool displaced, const pith_model_piece **pieces, size_t *count,
                               pith_error *err);
+/** What a plane would lay open of the pieces that are not hidden, without cutting: their sections alone, as
+ *  pith_part_section gives them, turned along the normal; `inside` is not set. One for each piece that the plane meets;
+ *  the caller frees them with pith_sections_free. PITH_BAD_ARGUMENT for a plane without normal. */
+pith_status pith_model_section(pith_model *model, const pith_plane *plane, pith_model_piece **sections, size_t *count,
+                               pith_error *err);
+void pith_sections_free(pith_model_piece *sections, size_t count); /* NULL is allowed */
 /** The shells left after the cuts, with their offsets; empty shells and hidden parts are left out. Cuts apply in sequence: all but the
  *  last split every part there is, the last one only lays its section open. Offsets add up. */
 pith_status pith_model_items(pith_model *model, const pith_render_item **items, size_t *count, pith_error *err);
@@ -283,17 +289,27 @@ pith_status pith_look_layer(const pith_look *look, const pith_part *part, double
 pith_status pith_look_shell(const pith_look *look, const pith_shell *shell, uint32_t kinds, pith_mesh **mesh,
                             pith_error *err);
 
-/** Where lines and arrows are wanted: in the whole body, or on a layer of depth. */
+/** Where lines and arrows are wanted: in the whole body, on a layer of depth, or on what is seen of the body: its skin,
+ *  the sections of its cuts, or both. */
 typedef struct pith_look_place {
-    enum { PITH_LOOK_BODY, PITH_LOOK_LAYER } kind;
-    const pith_mesh *layer;     /* as pith_look_layer made it of the whole body */
+    enum { PITH_LOOK_BODY, PITH_LOOK_LAYER, PITH_LOOK_SHELL } kind;
+    const pith_mesh *layer;     /* PITH_LOOK_LAYER: as pith_look_layer made it of the whole body */
     double level;               /* its depth */
+    const pith_shell *shell;    /* PITH_LOOK_SHELL: of the body, cut or not (pith_part_cut, pith_model_items) */
+    uint32_t kinds;             /* which of its triangles, a mask as above */
 } pith_look_place;
 
-/** Evenly spaced streamlines (pith_streamlines). On a layer the field is made tangent to the layers, and the lines'
- *  points are moved to this one, to about a hundredth of depth where tets are coarse; lengths are fractions of the
- *  layer's diagonal.
- *  PITH_BAD_ARGUMENT: there are no directions, primary ones on a layer (they run across), and as pith_streamlines. */
+/** Evenly spaced streamlines.
+ *  In the body: pith_streamlines of the field.
+ *  On a layer: of the field made tangent to the layers; the lines' points are moved to this one, to about a hundredth
+ *  of depth where tets are coarse; lengths are fractions of the layer's diagonal.
+ *  On a shell: pith_surface_streamlines of the field in the shell's tangent planes, as a user draws on it (Takayama's
+ *  thesis 2011, §4.3.1): points lie on its triangles, lengths are fractions of the body's diagonal whatever the shell's
+ *  size, so that lines stay as dense while a cut moves. Where the field stands on the surface there are none, and there
+ *  may be none at all (line_count 0). The field is that at the material coordinates, its directions as they are in the
+ *  undeformed body. The section of a fruit of 5 000 tets: 10 ms on one core, of 200 000: 0.1 s.
+ *  PITH_BAD_ARGUMENT: there are no directions, primary ones on a layer (they run across), a shell of another body, and
+ *  as pith_streamlines. */
 pith_status pith_look_lines(const pith_look *look, const pith_look_place *place,
                             const pith_streamline_options *options, const pith_progress *progress,
                             pith_polylines **lines, pith_error *err);
@@ -301,8 +317,9 @@ pith_status pith_look_lines(const pith_look *look, const pith_look_place *place,
 /** Distance of arrows, in spacings of lines. */
 #define PITH_LOOK_ARROWS_APART 2.0
 /** Places of arrows about PITH_LOOK_ARROWS_APART spacings of the body's diagonal apart, on a grid in the body,
- *  scattered on a layer, and the field there: unit vectors, zero where it is. points, vectors: allocated [count], caller frees
- *  both with pith_free. Errors as for lines; a spacing so wide that no place lies in the body. */
+ *  scattered on a layer or a shell, and the field there, tangent to these: unit vectors, zero where there is none.
+ *  points, vectors: allocated [count], caller frees both with pith_free. Errors as for lines; a spacing so wide that no
+ *  place lies in the body. */
 pith_status pith_look_arrows(const pith_look *look, const pith_look_place *place,
                              const pith_streamline_options *options, pith_vec3 **points, pith_vec3 **vectors,
                              size_t *count, pith_error *err);

@@ -246,6 +246,18 @@ typedef struct pith_tets_directions {
 pith_directions pith_directions_of_tets(const pith_tets_directions *borrowed);
 pith_directions pith_directions_of_volume(const pith_volume_field *borrowed); /* zero outside the inner voxels */
 
+typedef struct pith_surface_directions pith_surface_directions;
+/** Directions on a surface, which may be open: vectors [vertex_count] at its vertices, linear over triangles. Copies.
+ *  Normals as the surface has them (vertices that two triangles have with different normals are an edge), else
+ *  pith_mesh_vertex_normals. PITH_BAD_ARGUMENT: numbers that are not finite; PITH_BAD_MESH as pith_mesh_create.
+ *  O(n log n): 5 000 triangles take 2 ms. */
+pith_status pith_surface_directions_create(const pith_mesh_view *surface, const pith_vec3 *vectors,
+                                           pith_surface_directions **directions, pith_error *err);
+void pith_surface_directions_destroy(pith_surface_directions *directions);
+/** At a point, of the place of the surface nearest to it: the vector without its part along the normal there. Zero
+ *  beyond the surface's border, and where the vector is within 6 degrees of the normal. */
+pith_directions pith_directions_of_surface(const pith_surface_directions *borrowed);
+
 typedef struct pith_streamline_options {
     double spacing;         /* distance between lines, as a fraction of the diagonal of the candidates' box */
     double stop_spacing;    /* a line ends where it comes nearer to another than this many spacings */
@@ -268,5 +280,15 @@ pith_streamline_options pith_streamline_options_default(void);
 pith_status pith_streamlines(const pith_directions *field, const pith_vec3 *candidates, size_t count,
                              const pith_streamline_options *options, const pith_progress *progress,
                              pith_polylines **lines, pith_error *err);
+/** The same on a surface. Lines follow the tangent directions, and every point of theirs lies on a triangle, to
+ *  rounding. They keep their distance in space, but not from lines where normals differ by more than 75 degrees: on the
+ *  other side of a sheet, or beyond an edge. They end at edges where the normals that the surface was made with turn by more than
+ *  60 degrees, and at its border. Lengths are fractions of `diagonal` (model units, above 0): with that of a body,
+ *  surfaces of all sizes in it are equally dense. Where there is nothing to follow, or nothing as long as `shortest`,
+ *  there are no lines: line_count 0. Places to start from are scattered by options->seed. Deterministic. 100 lines on
+ *  4 000 triangles: 40 ms on one core. */
+pith_status pith_surface_streamlines(const pith_surface_directions *surface, double diagonal,
+                                     const pith_streamline_options *options, const pith_progress *progress,
+                                     pith_polylines **lines, pith_error *err);
 
 #endif

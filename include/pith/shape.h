@@ -102,8 +102,8 @@ pith_status pith_mesh_slab(const pith_slab_options *options, pith_mesh **mesh, p
 void pith_mesh_vertex_normals(const pith_mesh_view *mesh, pith_vec3 *normals);
 
 /** Points all over a surface at random, evenly within a triangle: one in every triangle, and one more for every `each`
- *  of its area (square model units, above 0), up to 1000 more. Triangle by triangle; the same for the same seed. points:
- *  allocated [count], caller frees with pith_free; NULL for a mesh without triangles. O(points). */
+ *  of its area (square model units, above 0), up to 1000 more. Triangle by triangle; the same for the same seed.
+ *  points: allocated [count], caller frees with pith_free; NULL for a mesh without triangles. O(points). */
 pith_status pith_mesh_scatter(const pith_mesh *mesh, double each, uint64_t seed, pith_vec3 **points, size_t *count,
                               pith_error *err);
 

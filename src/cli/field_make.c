@@ -41,7 +41,8 @@ pith_status field_make_layers(field *to, pith_error *err)
 
 static pith_look_place place_of(const field_layer *layer)
 {
-    return (pith_look_place){ layer->mesh ? PITH_LOOK_LAYER : PITH_LOOK_BODY, layer->mesh, layer->level };
+    return (pith_look_place){ .kind = layer->mesh ? PITH_LOOK_LAYER : PITH_LOOK_BODY, .layer = layer->mesh,
+                              .level = layer->level };
 }
 
 pith_status field_make_lines(field *to, pith_error *err)

@@ -413,6 +413,36 @@ static pith_status add_tet(cut_march *march, uint32_t tet, const bool wanted[CUT
     return PITH_OK;
 }
 
+pith_status pith_part_section(const pith_part *part, const double *values, pith_shell **section, pith_error *err)
+{
+    if (!part || !values || !section)
+        return pith_fail(err, PITH_BAD_ARGUMENT, "pith_part_section: %s is NULL",
+                         !part ? "part" : !values ? "values" : "section");
+    cut_march march;
+    PITH_TRY(cut_march_begin(&march, part, values, false, err));
+    pith_status status = PITH_OK;
+    cut_soup soup = { 0 };
+    cut_polygon polygon;
+    for (uint32_t i = 0; i < march.active_count; ++i) {
+        cut_sign s[4];
+        cut_tet_signs(&march, march.active[i], s);
+        if (!cut_crossed(s)) continue;
+        PITH_TRY_OR(done, cut_march_section(&march, march.active[i], &polygon, err));
+        PITH_TRY_OR(done, add_polygon(&soup, &polygon, false, part->source_tet[march.active[i]], PITH_SECTION, err));
+    }
+    for (uint32_t i = 0; i < march.zero_face_count; ++i) {
+        const cut_zero_face *face = &march.zero_faces[i];
+        whole_face(part, face->tet[CUT_NEGATIVE], face->corner[CUT_NEGATIVE], &polygon);
+        PITH_TRY_OR(done, add_polygon(&soup, &polygon, false, part->source_tet[face->tet[CUT_NEGATIVE]], PITH_SECTION,
+                                      err));
+    }
+    status = cut_shell_make(part, &march, &soup, section, err);
+done:
+    pith_free(soup.items);
+    cut_march_end(&march);
+    return status;
+}
+
 pith_status pith_part_cut(const pith_part *part, const double *values, pith_shell **negative, pith_shell **positive,
                           pith_error *err)
 {

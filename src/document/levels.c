@@ -199,7 +199,8 @@ static pith_status next_states(pith_model *model, size_t count, const cut_level 
     }
     pith_free(*states);
     *states = after;
-    return model_apply_parts(model, count, level, after, err);
+    model_apply_parts(model, count, level, after);
+    return PITH_OK;
 }
 
 pith_status model_cut(pith_model *model, size_t count, holding **level, piece_state **states, pith_error *err)

@@ -19,4 +19,8 @@ struct pith_look {
 typedef struct look_slope { double depth; pith_vec3 gradient; } look_slope;
 look_slope look_slope_at(const pith_look *look, uint32_t tet, const double weights[4]);
 
+/* The field that is followed, on the shell's triangles of these kinds; and those (mesh may be NULL). */
+pith_status look_on_shell(const pith_look *look, const pith_shell *shell, uint32_t kinds,
+                          pith_surface_directions **directions, pith_mesh **mesh, pith_error *err);
+
 #endif

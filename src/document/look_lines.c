@@ -1,4 +1,4 @@
-/* Streamlines and arrows, in the whole body or on layers of depth. */
+/* Streamlines and arrows, in the whole body, on layers of depth, or on what is seen. */
 #include "look_internal.h"
 
 #include <string.h>
@@ -157,31 +157,97 @@ static pith_status check_asked(const pith_look *look, const pith_look_place *pla
     return PITH_OK;
 }
 
-pith_status pith_look_lines(const pith_look *look, const pith_look_place *place,
-                            const pith_streamline_options *options, const pith_progress *progress,
-                            pith_polylines **lines, pith_error *err)
+static pith_status lines_in_body(const pith_look *look, const pith_streamline_options *options,
+                                 const pith_progress *progress, pith_polylines **lines, pith_error *err)
 {
-    PITH_TRY(check_asked(look, place, options, err));
+    places candidates = { 0 };
+    pith_status status = places_of_tets(look, &candidates, err);
+    if (status == PITH_OK)
+        status = pith_streamlines(&look->view.directions, candidates.points, candidates.count, options, progress, lines,
+                                  err);
+    pith_free(candidates.points);
+    return status;
+}
+
+static pith_status lines_on_layer(const pith_look *look, const pith_look_place *place,
+                                  const pith_streamline_options *options, const pith_progress *progress,
+                                  pith_polylines **lines, pith_error *err)
+{
     const double spacing = options->spacing * look->diagonal;
-    const bool on_one = place->kind == PITH_LOOK_LAYER;
     const on_layer on = { look, place->level };
     const pith_directions tangent = { layer_sample, &on };
-    places candidates = { 0 };
+    pith_vec3 *candidates = NULL;
+    size_t count = 0;
     pith_polylines *made = NULL;
-    pith_status status = on_one ? pith_mesh_scatter(place->layer, spacing * spacing, options->seed,
-                                                    &candidates.points, &candidates.count, err)
-                                : places_of_tets(look, &candidates, err);
-    if (status == PITH_OK)
-        status = pith_streamlines(on_one ? &tangent : &look->view.directions, candidates.points, candidates.count,
-                                  options, progress, &made, err);
-    if (status == PITH_OK && on_one) status = snap(look, place->level, &made, err);
-    pith_free(candidates.points);
+    PITH_TRY(pith_mesh_scatter(place->layer, spacing * spacing, options->seed, &candidates, &count, err));
+    pith_status status = pith_streamlines(&tangent, candidates, count, options, progress, &made, err);
+    if (status == PITH_OK) status = snap(look, place->level, &made, err);
+    pith_free(candidates);
     if (status == PITH_OK) *lines = made;
     else pith_polylines_destroy(made);
     return status;
 }
 
+static pith_status lines_on_shell(const pith_look *look, const pith_look_place *place,
+                                  const pith_streamline_options *options, const pith_progress *progress,
+                                  pith_polylines **lines, pith_error *err)
+{
+    pith_surface_directions *on = NULL;
+    PITH_TRY(look_on_shell(look, place->shell, place->kinds, &on, NULL, err));
+    const pith_status status = pith_surface_streamlines(on, look->diagonal, options, progress, lines, err);
+    pith_surface_directions_destroy(on);
+    return status;
+}
+
+pith_status pith_look_lines(const pith_look *look, const pith_look_place *place,
+                            const pith_streamline_options *options, const pith_progress *progress,
+                            pith_polylines **lines, pith_error *err)
+{
+    PITH_TRY(check_asked(look, place, options, err));
+    switch (place->kind) {
+    case PITH_LOOK_LAYER: return lines_on_layer(look, place, options, progress, lines, err);
+    case PITH_LOOK_SHELL: return lines_on_shell(look, place, options, progress, lines, err);
+    default: return lines_in_body(look, options, progress, lines, err);
+    }
+}
+
 /* ---- arrows ------------------------------------------------------------------------------------------------------ */
+
+static pith_status arrows_in_body(const pith_look *look, double pitch, places *at, pith_vec3 **vectors, pith_error *err)
+{
+    PITH_TRY(places_of_body(look, pitch, at, err));
+    if (at->count == 0)
+        return pith_fail(err, PITH_BAD_ARGUMENT, "arrows %g apart miss the body; a smaller spacing sets more", pitch);
+    *vectors = pith_alloc(at->count, sizeof **vectors);
+    if (!*vectors) return PITH_OUT_OF_MEMORY(err, "arrows");
+    look->view.directions.sample(look->view.directions.user, at->points, at->count, *vectors);
+    return PITH_OK;
+}
+
+/* Scattered on a surface, no nearer to each other than a little less than the pitch. */
+static pith_status arrows_on(const pith_mesh *surface, const pith_directions *directions, double pitch, uint64_t seed,
+                             places *at, pith_vec3 **vectors, pith_error *err)
+{
+    PITH_TRY(pith_mesh_scatter(surface, pitch * pitch / 20, seed, &at->points, &at->count, err));
+    if (at->count > 0) PITH_TRY(thin(at, 0.8 * pitch, err));
+    *vectors = pith_alloc(at->count, sizeof **vectors);
+    if (!*vectors) return PITH_OUT_OF_MEMORY(err, "arrows");
+    directions->sample(directions->user, at->points, at->count, *vectors);
+    return PITH_OK;
+}
+
+static pith_status arrows_on_shell(const pith_look *look, const pith_look_place *place, double pitch, uint64_t seed,
+                                   places *at, pith_vec3 **vectors, pith_error *err)
+{
+    pith_surface_directions *on = NULL;
+    pith_mesh *surface = NULL;
+    PITH_TRY(look_on_shell(look, place->shell, place->kinds, &on, &surface, err));
+    const pith_directions tangent = pith_directions_of_surface(on);
+    const pith_status status = arrows_on(surface, &tangent, pitch, seed, at, vectors, err);
+    pith_mesh_destroy(surface);
+    pith_surface_directions_destroy(on);
+    return status;
+}
 
 pith_status pith_look_arrows(const pith_look *look, const pith_look_place *place,
                              const pith_streamline_options *options, pith_vec3 **points, pith_vec3 **vectors,
@@ -189,23 +255,21 @@ pith_status pith_look_arrows(const pith_look *look, const pith_look_place *place
 {
     PITH_TRY(check_asked(look, place, options, err));
     const double pitch = PITH_LOOK_ARROWS_APART * options->spacing * look->diagonal;
-    const bool on_one = place->kind == PITH_LOOK_LAYER;
     const on_layer on = { look, place->level };
+    const pith_directions tangent = { layer_sample, &on };
     places at = { 0 };
-    pith_status status = on_one ? pith_mesh_scatter(place->layer, pitch * pitch / 20, options->seed, &at.points,
-                                                    &at.count, err)
-                                : places_of_body(look, pitch, &at, err);
-    if (status == PITH_OK && at.count == 0)
-        status = pith_fail(err, PITH_BAD_ARGUMENT, "arrows %g apart miss the body; a smaller spacing sets more", pitch);
-    if (status == PITH_OK && on_one) status = thin(&at, 0.8 * pitch, err);
-    pith_vec3 *made = status == PITH_OK ? pith_alloc(at.count, sizeof *made) : NULL;
-    if (status == PITH_OK && !made) status = PITH_OUT_OF_MEMORY(err, "arrows");
+    pith_vec3 *made = NULL;
+    pith_status status = PITH_OK;
+    switch (place->kind) {
+    case PITH_LOOK_LAYER: status = arrows_on(place->layer, &tangent, pitch, options->seed, &at, &made, err); break;
+    case PITH_LOOK_SHELL: status = arrows_on_shell(look, place, pitch, options->seed, &at, &made, err); break;
+    default: status = arrows_in_body(look, pitch, &at, &made, err);
+    }
     if (status != PITH_OK) {
         pith_free(at.points);
+        pith_free(made);
         return status;
     }
-    if (on_one) layer_sample(&on, at.points, at.count, made);
-    else look->view.directions.sample(look->view.directions.user, at.points, at.count, made);
     for (size_t k = 0; k < at.count; ++k) made[k] = pith_unit(made[k]);
     *points = at.points;
     *vectors = made;

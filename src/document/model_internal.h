@@ -203,10 +203,8 @@ pith_status cut_fail_at(const pith_model *model, size_t index, pith_status statu
 typedef struct piece_place { size_t piece; uint32_t tet; double weights[4]; } piece_place;
 /* Does to the states what the document's entries about pieces after `count` cuts say: pieces of a level, or shells of
    which the last cut is laid open. */
-pith_status model_apply_parts(pith_model *model, size_t count, const cut_level *level, piece_state *states,
-                              pith_error *err);
-pith_status model_apply_parts_to_shells(pith_model *model, const cut_shells *shells, piece_state *states,
-                                        pith_error *err);
+void model_apply_parts(pith_model *model, size_t count, const cut_level *level, piece_state *states);
+void model_apply_parts_to_shells(pith_model *model, const cut_shells *shells, piece_state *states);
 /* The pieces after the first `count` cuts: a cut_level, which the caller releases, and the state of each piece, which
    the caller frees. */
 pith_status model_cut(pith_model *model, size_t count, holding **level, piece_state **states, pith_error *err);

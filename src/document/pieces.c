@@ -266,10 +266,9 @@ static pith_status last_states(pith_model *model, const cut_shells *shells, cons
         if (shells->laid_open)
             after[i].offset = cut_offset(&cuts->steps[cuts->count - 1], after[i].offset, at->side == SIDE_POSITIVE);
     }
-    const pith_status status = shells->laid_open ? model_apply_parts_to_shells(model, shells, after, err) : PITH_OK;
-    if (status == PITH_OK) *states = after;
-    else pith_free(after);
-    return status;
+    if (shells->laid_open) model_apply_parts_to_shells(model, shells, after);
+    *states = after;
+    return PITH_OK;
 }
 
 pith_status model_shells(pith_model *model, bool displaced, const cut_shells **shells, const moved_shells **moved,

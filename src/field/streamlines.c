@@ -1,6 +1,6 @@
 /* Evenly spaced streamlines (Jobard and Lefer, "Creating evenly-spaced streamlines of arbitrary density", 1997), in
-   space: every line offers places beside it, a spacing away, as seeds of further lines; when those are used up the next
-   candidate is tried.
+   space or on a surface: every line offers places beside it, a spacing away, as seeds of further lines; when those are
+   used up the next candidate is tried.
 
    One line is traced after the other: where a line ends depends on all before it. That is the order of the result, and
    the reason why the number of threads cannot matter. */
@@ -76,23 +76,28 @@ static pith_status keep_line(streamlines *s, pith_error *err)
     return PITH_OK;
 }
 
-static bool is_free(const near_grid *grid, pith_vec3 p, double distance)
+static bool is_free(const near_grid *grid, const near_piece *place, double distance)
 {
-    const near_piece place = { .a = p, .b = p, .line = PITH_NONE };
-    return near_find(grid, &place, distance, INFINITY) == NEAR_NOTHING;
+    return near_find(grid, place, distance, INFINITY) == NEAR_NOTHING;
 }
 
 /* Traces the line through a seed where there is room for it, and keeps it when it is long enough. */
 static pith_status try_seed(streamlines *s, pith_vec3 seed, pith_error *err)
 {
     const double spacing = s->tracing.spacing;
-    if (!is_free(&s->grid, seed, spacing) || !is_free(&s->given_up, seed, give_up * spacing)) return PITH_OK;
+    near_piece mark = { .a = seed, .b = seed, .line = PITH_NONE };
+    surface_at place;
+    if (s->tracing.surface) {
+        if (!surface_place(s->tracing.surface, seed, &place)) return PITH_OK;
+        mark.normal = place.normal;
+    }
+    if (!is_free(&s->grid, &mark, spacing) || !is_free(&s->given_up, &mark, give_up * spacing)) return PITH_OK;
     const size_t pieces = s->grid.count;
     s->tracing.line = s->lines;
     PITH_TRY(trace_line(&s->tracing, seed, err));
     if (s->tracing.length > 0.0 && s->tracing.length >= s->shortest) return keep_line(s, err);
     near_drop(&s->grid, pieces);
-    const near_piece mark = { .a = seed, .b = seed, .line = 0 };
+    mark.line = 0;
     return near_add(&s->given_up, &mark) ? PITH_OK : PITH_OUT_OF_MEMORY(err, "the streamlines");
 }
 
@@ -112,6 +117,30 @@ static pith_status add_ring(streamlines *s, size_t *count, pith_vec3 p, pith_vec
     return PITH_OK;
 }
 
+/* The same on a surface: a place to either side. Where the surface bends, a step across it comes down nearer than it is
+   long: it is made longer by as much, twice over. */
+static pith_status add_sides(streamlines *s, size_t *count, pith_vec3 p, pith_vec3 along, pith_error *err)
+{
+    if (!pith_grow((void **)&s->seeds, &s->seed_room, *count + 2, sizeof *s->seeds))
+        return PITH_OUT_OF_MEMORY(err, "seeds of streamlines");
+    surface_at here, there;
+    if (!surface_place(s->tracing.surface, p, &here)) return PITH_OK;
+    const double apart = beside * s->tracing.spacing;
+    const pith_vec3 across = pith_unit(pith_cross(here.normal, along));
+    for (int side = -1; side <= 1; side += 2) {
+        double step = apart;
+        bool found = true;
+        for (int round = 0; round < 3 && found; ++round) {
+            found = surface_place(s->tracing.surface, pith_madd(p, across, side * step), &there);
+            const double short_by = found ? fmin(apart / pith_distance(there.at, p), 2.0) : 1.0;
+            if (short_by < 1.001) break;
+            step *= short_by;
+        }
+        if (found) s->seeds[(*count)++] = there.at;
+    }
+    return PITH_OK;
+}
+
 /* Rings of places about a line, a spacing apart along it. */
 static pith_status find_seeds(streamlines *s, uint32_t line, size_t *count, pith_error *err)
 {
@@ -122,7 +151,7 @@ static pith_status find_seeds(streamlines *s, uint32_t line, size_t *count, pith
     for (uint32_t i = 0; i < points; ++i) {
         const pith_vec3 along = pith_unit(i + 1 < points ? pith_sub(at[i + 1], at[i]) : pith_sub(at[i], at[i - 1]));
         if (since >= s->tracing.spacing) {
-            PITH_TRY(add_ring(s, count, at[i], along, err));
+            PITH_TRY((s->tracing.surface ? add_sides : add_ring)(s, count, at[i], along, err));
             since = 0.0;
         }
         if (i + 1 < points) since += pith_distance(at[i], at[i + 1]);
@@ -170,7 +199,7 @@ static pith_status sample_candidates(streamlines *s, const pith_vec3 *candidates
         const double length = pith_length(vectors[i]);
         if (isfinite(length)) greatest = fmax(greatest, length);
     }
-    if (!(greatest > 0.0))
+    if (!(greatest > 0.0) && !s->tracing.surface)
         return pith_fail(err, PITH_BAD_ARGUMENT, "streamlines: the field is zero at all %zu candidates; draw a stroke, "
                          "or give points inside the body", count);
     s->tracing.zero = 1e-9 * greatest;
@@ -194,7 +223,7 @@ static pith_status fill(streamlines *s, const pith_vec3 *candidates, size_t coun
             PITH_TRY(pith_progress_step(progress, fmax((double)c / (double)count, (double)s->lines / s->options->most),
                                         "streamlines", err));
     }
-    if (s->lines > 0) return PITH_OK;
+    if (s->lines > 0 || s->tracing.surface) return PITH_OK;
     return pith_fail(err, PITH_BAD_ARGUMENT, "streamlines: every line is shorter than %g, %g of the diagonal; lower "
                      "shortest", s->shortest, s->options->shortest);
 }
@@ -211,6 +240,41 @@ static void free_all(streamlines *s)
     pith_free(s->vectors);
 }
 
+/* What lines are asked for. */
+typedef struct request {
+    const pith_directions *field;
+    const pith_surface_directions *surface; /* NULL: in space */
+    const pith_vec3 *candidates;            /* [count] */
+    size_t count;
+    pith_vec3 origin;                       /* in the middle of things */
+    double diagonal;                        /* lengths are fractions of it */
+} request;
+
+static pith_status make_lines(const request *asked, const pith_streamline_options *options,
+                              const pith_progress *progress, pith_polylines **lines, pith_error *err)
+{
+    const double diagonal = asked->diagonal, spacing = options->spacing * diagonal;
+    streamlines s = { .options = options, .shortest = options->shortest * diagonal,
+                      .grid = near_make(asked->origin, 1.25 * spacing, TRACE_LONGEST_PIECE * spacing),
+                      .given_up = near_make(asked->origin, spacing, 0.0),
+                      .rng = pith_rng_make(options->seed, 0x6c696e65) /* "line" */ };
+    s.grid.faced = s.given_up.faced = asked->surface != NULL;
+    s.tracing = (tracing){ .field = asked->field, .surface = asked->surface, .spacing = spacing,
+                           .stop = options->stop_spacing * spacing, .tolerance = options->step_error * spacing,
+                           .longest = options->longest * diagonal, .grid = &s.grid };
+    pith_vec3 *vectors = pith_alloc(asked->count, sizeof *vectors);
+    pith_status status = vectors ? PITH_OK : PITH_OUT_OF_MEMORY(err, "the streamlines");
+    if (status == PITH_OK) status = sample_candidates(&s, asked->candidates, asked->count, vectors, err);
+    if (status == PITH_OK) status = fill(&s, asked->candidates, asked->count, vectors, progress, err);
+    if (status == PITH_OK) {
+        const pith_polylines_view made = { s.points.at, s.start, s.lines };
+        status = pith_polylines_create(&made, lines, err);
+    }
+    pith_free(vectors);
+    free_all(&s);
+    return status;
+}
+
 pith_status pith_streamlines(const pith_directions *field, const pith_vec3 *candidates, size_t count,
                              const pith_streamline_options *options, const pith_progress *progress,
                              pith_polylines **lines, pith_error *err)
@@ -220,23 +284,29 @@ pith_status pith_streamlines(const pith_directions *field, const pith_vec3 *cand
     PITH_TRY(pith_params_check(&pith_streamline_params, options, err));
     pith_box box = pith_box_empty();
     PITH_TRY(check_candidates(candidates, count, &box, err));
-    const double diagonal = pith_distance(box.low, box.high), spacing = options->spacing * diagonal;
-    streamlines s = { .options = options, .shortest = options->shortest * diagonal,
-                      .grid = near_make(box.low, 1.25 * spacing, TRACE_LONGEST_PIECE * spacing),
-                      .given_up = near_make(box.low, spacing, 0.0),
-                      .rng = pith_rng_make(options->seed, 0x6c696e65) /* "line" */ };
-    s.tracing = (tracing){ .field = field, .spacing = spacing, .stop = options->stop_spacing * spacing,
-                           .tolerance = options->step_error * spacing, .longest = options->longest * diagonal,
-                           .grid = &s.grid };
-    pith_vec3 *vectors = pith_alloc(count, sizeof *vectors);
-    pith_status status = vectors ? PITH_OK : PITH_OUT_OF_MEMORY(err, "the streamlines");
-    if (status == PITH_OK) status = sample_candidates(&s, candidates, count, vectors, err);
-    if (status == PITH_OK) status = fill(&s, candidates, count, vectors, progress, err);
-    if (status == PITH_OK) {
-        const pith_polylines_view made = { s.points.at, s.start, s.lines };
-        status = pith_polylines_create(&made, lines, err);
-    }
-    pith_free(vectors);
-    free_all(&s);
+    const request asked = { .field = field, .candidates = candidates, .count = count, .origin = box.low,
+                            .diagonal = pith_distance(box.low, box.high) };
+    return make_lines(&asked, options, progress, lines, err);
+}
+
+pith_status pith_surface_streamlines(const pith_surface_directions *surface, double diagonal,
+                                     const pith_streamline_options *options, const pith_progress *progress,
+                                     pith_polylines **lines, pith_error *err)
+{
+    if (!surface || !options || !lines)
+        return pith_fail(err, PITH_BAD_ARGUMENT, "pith_surface_streamlines: a pointer is NULL");
+    PITH_TRY(pith_params_check(&pith_streamline_params, options, err));
+    if (!(diagonal > 0.0 && diagonal < INFINITY))
+        return pith_fail(err, PITH_BAD_ARGUMENT, "streamlines on a surface: the diagonal is %g, expected a length",
+                         diagonal);
+    const double spacing = options->spacing * diagonal;
+    pith_vec3 *candidates = NULL;
+    size_t count = 0;
+    PITH_TRY(pith_mesh_scatter(surface_mesh(surface), spacing * spacing, options->seed, &candidates, &count, err));
+    const pith_directions field = pith_directions_of_surface(surface);
+    const request asked = { .field = &field, .surface = surface, .candidates = candidates, .count = count,
+                            .origin = count > 0 ? candidates[0] : pith_v3(0, 0, 0), .diagonal = diagonal };
+    const pith_status status = make_lines(&asked, options, progress, lines, err);
+    pith_free(candidates);
     return status;
 }

@@ -1,4 +1,5 @@
-/* What the files of the streamlines share: a grid of the pieces of lines that there are, and the integrator. */
+/* What the files of the streamlines share: a grid of the pieces of lines that there are, the integrator, and the
+   surface it may be kept on. */
 #ifndef PITH_FIELD_STREAMLINES_INTERNAL_H
 #define PITH_FIELD_STREAMLINES_INTERNAL_H
 
@@ -7,7 +8,7 @@
 /* ---- what is near (streamlines_near.c) --------------------------------------------------------------------------- */
 
 typedef struct near_piece {
-    pith_vec3 a, b;
+    pith_vec3 a, b, normal; /* normal: of the surface; zero in space */
     double along;   /* length of its line up to its middle, negative before the seed */
     uint32_t line, next;
 } near_piece;
@@ -21,6 +22,7 @@ typedef struct near_grid {
     uint64_t *keys;     /* [slots] packed cell + 1; 0: free */
     uint32_t *first;    /* [slots] the cell's piece added last, or PITH_NONE */
     size_t slots, used;
+    bool faced;         /* pieces lie on a surface: those on sides that look another way are not near */
 } near_grid;
 
 typedef enum near_what { NEAR_NOTHING, NEAR_OWN_START, NEAR_LINE } near_what;
@@ -37,12 +39,22 @@ near_what near_find(const near_grid *grid, const near_piece *piece, double dista
 /* Distance of two segments. */
 double near_distance(pith_vec3 a, pith_vec3 b, pith_vec3 c, pith_vec3 d);
 
+/* ---- a surface (directions_surface.c) ---------------------------------------------------------------------------- */
+
+/* A place of the surface: the unit normal there, smooth over triangles, and the tangent vector, zero where the field
+   stands on the surface. */
+typedef struct surface_at { pith_vec3 at, normal, vector; } surface_at;
+/* The one nearest to a point; false where the point lies beyond the surface's border. */
+bool surface_place(const pith_surface_directions *surface, pith_vec3 p, surface_at *place);
+pith_mesh *surface_mesh(const pith_surface_directions *surface);
+
 /* ---- one line (streamlines_trace.c) ------------------------------------------------------------------------------ */
 
 typedef struct trace_points { pith_vec3 *at; size_t count, room; } trace_points;
 
 typedef struct tracing {
     const pith_directions *field;
+    const pith_surface_directions *surface; /* lines are kept on this, and the field is its; NULL: lines in space */
     double zero;            /* vectors up to this length have no direction */
     double spacing, stop;   /* model units */
     double tolerance;       /* error of a step */
@@ -56,9 +68,6 @@ typedef struct tracing {
 
 /* The line through the seed, both ways; its pieces are added to the grid. */
 pith_status trace_line(tracing *t, pith_vec3 seed, pith_error *err);
-/* The unit direction at a point; false where the field has none. */
-bool trace_direction(const tracing *t, pith_vec3 p, double sign, pith_vec3 *direction);
-
 /* Pieces are no longer than this, in spacings: a step, and what short ends and the way back to the seed add. */
 #define TRACE_LONGEST_PIECE 0.75
 

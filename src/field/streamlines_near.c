@@ -119,6 +119,10 @@ double near_distance(pith_vec3 a, pith_vec3 b, pith_vec3 c, pith_vec3 d)
     return pith_distance(pith_madd(a, u, s), pith_madd(c, v, t));
 }
 
+/* Where normals differ by more, 75 degrees, the surface counts as another side; cosine. Lines on the two sides of a
+   sheet, or of a right edge, do not keep their distance from each other. */
+static const double same_side = 0.25;
+
 /* far: of the middles, squared; beyond it the pieces cannot be near. */
 static near_what judge(const near_piece *piece, const near_piece *other, double distance, double far, double apart)
 {
@@ -152,7 +156,9 @@ near_what near_find(const near_grid *grid, const near_piece *piece, double dista
                 const size_t slot = slot_of(grid, cell_key(x, y, z));
                 if (!grid->keys[slot]) continue;
                 for (uint32_t i = grid->first[slot]; i != PITH_NONE; i = grid->pieces[i].next) {
-                    const near_what here = judge(piece, &grid->pieces[i], distance, far, apart);
+                    const near_piece *other = &grid->pieces[i];
+                    if (grid->faced && pith_dot(piece->normal, other->normal) < same_side) continue;
+                    const near_what here = judge(piece, other, distance, far, apart);
                     if (here == NEAR_LINE) return here;
                     if (here != NEAR_NOTHING) found = here;
                 }

@@ -9,41 +9,57 @@ static const double close_enough = 0.1;     /* a line that comes back to its see
 /* In stop distances: parts of one line nearer along it than this may be near each other. */
 static const double own_part = 2.0;
 
-bool trace_direction(const tracing *t, pith_vec3 p, double sign, pith_vec3 *direction)
+/* Where a line is: the direction it goes on in, and on a surface the normal. */
+typedef struct trace_at { pith_vec3 at, direction, normal; } trace_at;
+
+typedef struct walk {
+    double sign;            /* 1 with the field, -1 against it */
+    trace_at here;
+    double step, length;    /* the step to try next; length walked */
+    bool refused;           /* the last try failed */
+} walk;
+
+/* Round an edge that bends by more than this no line goes on; cosine. */
+static const double most_bent = 0.5;
+
+/* The direction at a point, or on a surface at the place nearest to it. False where there is none, and beyond an edge
+   of the surface. */
+static bool look_at(const tracing *t, const walk *w, pith_vec3 p, trace_at *there)
 {
-    pith_vec3 v;
-    t->field->sample(t->field->user, &p, 1, &v);
+    pith_vec3 v, normal = { 0, 0, 0 };
+    if (t->surface) {
+        surface_at place;
+        if (!surface_place(t->surface, p, &place) || pith_dot(place.normal, w->here.normal) < most_bent) return false;
+        p = place.at;
+        v = place.vector;
+        normal = place.normal;
+    } else {
+        t->field->sample(t->field->user, &p, 1, &v);
+    }
     const double length = pith_length(v);
     if (!(length > t->zero && length < INFINITY)) return false;
-    *direction = pith_scale(v, sign / length);
+    *there = (trace_at){ p, pith_scale(v, w->sign / length), normal };
     return true;
 }
 
 /* ---- one step ---------------------------------------------------------------------------------------------------- */
 
-typedef struct walk {
-    double sign;            /* 1 with the field, -1 against it */
-    pith_vec3 at, direction;
-    double step, length;    /* the step to try next; length walked */
-    bool refused;           /* the last try failed */
-} walk;
-
-/* Where a step leads and the direction there. False when one of the places it looks at has no direction or one that
-   points back: the border is that near, or a place where the field turns over. */
-static bool try_step(const tracing *t, const walk *w, double h, pith_vec3 *to, pith_vec3 *direction, double *error)
+/* Where a step leads. False when one of the places it looks at has no direction or one that points back: the border is
+   that near, or a place where the field turns over. */
+static bool try_step(const tracing *t, const walk *w, double h, trace_at *to, double *error)
 {
-    const pith_vec3 k1 = w->direction;
-    pith_vec3 k2, k3, k4;
-    if (!trace_direction(t, pith_madd(w->at, k1, 0.5 * h), w->sign, &k2) || pith_dot(k1, k2) < 0.0) return false;
-    if (!trace_direction(t, pith_madd(w->at, k2, 0.75 * h), w->sign, &k3) || pith_dot(k1, k3) < 0.0) return false;
+    const pith_vec3 from = w->here.at, k1 = w->here.direction;
+    trace_at second, third;
+    if (!look_at(t, w, pith_madd(from, k1, 0.5 * h), &second) || pith_dot(k1, second.direction) < 0.0) return false;
+    const pith_vec3 k2 = second.direction;
+    if (!look_at(t, w, pith_madd(from, k2, 0.75 * h), &third) || pith_dot(k1, third.direction) < 0.0) return false;
+    const pith_vec3 k3 = third.direction;
     const pith_vec3 slope = pith_madd(pith_madd(pith_scale(k1, 2.0 / 9.0), k2, 1.0 / 3.0), k3, 4.0 / 9.0);
-    *to = pith_madd(w->at, slope, h);
-    if (!trace_direction(t, *to, w->sign, &k4) || pith_dot(k1, k4) < 0.0) return false;
+    if (!look_at(t, w, pith_madd(from, slope, h), to) || pith_dot(k1, to->direction) < 0.0) return false;
     /* The difference to the second-order solution of the pair (Bogacki and Shampine 1989). */
     const pith_vec3 off = pith_madd(pith_madd(pith_madd(pith_scale(k1, -5.0 / 72.0), k2, 1.0 / 12.0), k3, 1.0 / 9.0),
-                                    k4, -1.0 / 8.0);
+                                    to->direction, -1.0 / 8.0);
     *error = h * pith_length(off);
-    *direction = k4;
     return true;
 }
 
@@ -53,13 +69,12 @@ static bool advance(const tracing *t, walk *w)
     const double most = longest_step * t->spacing, least = least_step * t->spacing;
     w->step = fmin(w->step, most);
     for (;;) {
-        pith_vec3 to, direction;
+        trace_at to;
         double error = 0.0;
-        const bool there = try_step(t, w, w->step, &to, &direction, &error);
+        const bool there = try_step(t, w, w->step, &to, &error);
         const double fit = error > 0.0 ? 0.9 * cbrt(t->tolerance / error) : 2.0;
         if (there && (error <= t->tolerance || w->step <= least)) {
-            w->at = to;
-            w->direction = direction;
+            w->here = to;
             w->length += w->step;
             w->step *= fmin(fmax(fit, 0.2), w->refused ? 1.0 : 2.0); /* no rush where a step has just failed */
             w->step = fmax(w->step, least);
@@ -79,7 +94,7 @@ static near_piece piece_to(const tracing *t, const trace_points *points, const w
 {
     const pith_vec3 from = points->at[points->count - 1];
     const double along = w->sign * (w->length - 0.5 * pith_distance(from, to));
-    return (near_piece){ .a = from, .b = to, .along = along, .line = t->line };
+    return (near_piece){ .a = from, .b = to, .normal = w->here.normal, .along = along, .line = t->line };
 }
 
 static pith_status add_point(tracing *t, trace_points *points, const near_piece *piece, pith_error *err)
@@ -101,7 +116,7 @@ static void cut_back(tracing *t, trace_points *points, size_t count)
 /* Does the piece come back to the seed, in the seed's direction? */
 static bool returns(const tracing *t, const near_piece *piece, const walk *w, pith_vec3 start, bool was_away)
 {
-    if (!was_away || w->sign < 0.0 || pith_dot(w->direction, start) < 0.5) return false;
+    if (!was_away || w->sign < 0.0 || pith_dot(w->here.direction, start) < 0.5) return false;
     const pith_vec3 seed = t->forward.at[0];
     return near_distance(piece->a, piece->b, seed, seed) < close_enough * t->spacing;
 }
@@ -116,13 +131,13 @@ static pith_status close_line(tracing *t, trace_points *points, walk *w, pith_er
     return add_point(t, points, &last, err);
 }
 
-/* The line has ended at w->at, which may lie a little behind the last point kept. */
+/* The line has ended at w->here.at, which may lie a little behind the last point kept. */
 static pith_status end_line(tracing *t, trace_points *points, const walk *w, pith_error *err)
 {
-    const double rest = pith_distance(points->at[points->count - 1], w->at);
+    const double rest = pith_distance(points->at[points->count - 1], w->here.at);
     if (!(rest > 0.0)) return PITH_OK;
     if (points->count > 1) cut_back(t, points, points->count - 1);
-    const near_piece last = piece_to(t, points, w, w->at);
+    const near_piece last = piece_to(t, points, w, w->here.at);
     if (near_find(t->grid, &last, t->stop, own_part * t->stop) == NEAR_LINE) return PITH_OK;
     return add_point(t, points, &last, err);
 }
@@ -130,7 +145,7 @@ static pith_status end_line(tracing *t, trace_points *points, const walk *w, pit
 /* Walks from the seed until something ends the line: no direction, another line, itself, its length, its seed. */
 static pith_status walk_on(tracing *t, trace_points *points, walk *w, double longest, pith_error *err)
 {
-    const pith_vec3 start = w->direction;
+    const pith_vec3 start = w->here.direction;
     size_t beside_start = 0; /* points there were when the line came near its own start; 0: it is not */
     bool was_away = false;
     for (size_t steps = 0; steps < (size_t)(100.0 * (1.0 + longest / t->spacing)); ++steps) {
@@ -140,15 +155,15 @@ static pith_status walk_on(tracing *t, trace_points *points, walk *w, double lon
             PITH_TRY(end_line(t, points, w, err));
             break;
         }
-        const double rest = pith_distance(w->at, points->at[points->count - 1]);
+        const double rest = pith_distance(w->here.at, points->at[points->count - 1]);
         if (rest < least_piece * t->spacing) continue;
-        const near_piece piece = piece_to(t, points, w, w->at);
+        const near_piece piece = piece_to(t, points, w, w->here.at);
         if (returns(t, &piece, w, start, was_away)) return close_line(t, points, w, err);
-        was_away = was_away || pith_distance(w->at, points->at[0]) > 2.0 * close_enough * t->spacing;
+        was_away = was_away || pith_distance(w->here.at, points->at[0]) > 2.0 * close_enough * t->spacing;
         const near_what what = near_find(t->grid, &piece, t->stop, own_part * t->stop);
         /* Beside its own start, in the same direction, a line may be about to close. When it does not, it should have
            ended where it came there. */
-        if (what == NEAR_LINE || (what == NEAR_OWN_START && pith_dot(w->direction, start) < 0.8)) break;
+        if (what == NEAR_LINE || (what == NEAR_OWN_START && pith_dot(w->here.direction, start) < 0.8)) break;
         if (what == NEAR_NOTHING) beside_start = 0;
         else if (beside_start == 0) beside_start = points->count;
         PITH_TRY(add_point(t, points, &piece, err));
@@ -173,19 +188,30 @@ static double length_of(const trace_points *points)
     return length;
 }
 
+/* Sets the walk out at the seed, which lies on the surface if there is one. */
+static bool begin(const tracing *t, pith_vec3 seed, walk *w)
+{
+    surface_at place;
+    if (t->surface) {
+        if (!surface_place(t->surface, seed, &place)) return false;
+        w->here.normal = place.normal;
+    }
+    return look_at(t, w, seed, &w->here);
+}
+
 pith_status trace_line(tracing *t, pith_vec3 seed, pith_error *err)
 {
     t->closed = false;
     t->length = 0.0;
     PITH_TRY(start_points(&t->forward, seed, err));
     PITH_TRY(start_points(&t->backward, seed, err));
-    walk w = { .sign = 1.0, .at = seed, .step = 0.1 * t->spacing };
-    if (!trace_direction(t, seed, w.sign, &w.direction)) return PITH_OK;
+    walk w = { .sign = 1.0, .step = 0.1 * t->spacing };
+    if (!begin(t, seed, &w)) return PITH_OK;
     PITH_TRY(walk_on(t, &t->forward, &w, t->longest, err));
     t->length = length_of(&t->forward);
     if (t->closed || t->length >= t->longest) return PITH_OK;
-    w = (walk){ .sign = -1.0, .at = seed, .direction = pith_scale(w.direction, -1.0), .step = 0.1 * t->spacing };
-    if (!trace_direction(t, seed, w.sign, &w.direction)) return PITH_OK;
+    w = (walk){ .sign = -1.0, .step = 0.1 * t->spacing };
+    if (!begin(t, seed, &w)) return PITH_OK;
     PITH_TRY(walk_on(t, &t->backward, &w, t->longest - t->length, err));
     t->length += length_of(&t->backward);
     return PITH_OK;

@@ -59,7 +59,7 @@ static const argument of_file_put[] = {
 
 #define BODY { "body", ARGUMENT_TEXT, false, 0, 0, NULL }
 static const char *const field_words[] = { "primary", "secondary", "tertiary", "vectors", NULL };
-static const char *const place_words[] = { "body", "layer", NULL };
+static const char *const place_words[] = { "body", "layer", "skin", "section", NULL };
 static const argument of_layer[] = {
     BODY,
     { "depth", ARGUMENT_NUMBER, true, 0, 1, NULL },
@@ -71,6 +71,10 @@ static const argument of_lines[] = {
     { "where", ARGUMENT_TEXT, true, 0, 0, place_words },
     { "depth", ARGUMENT_NUMBER, false, 0, 1, NULL },
     { "spacing", ARGUMENT_NUMBER, false, 0, 1, NULL },
+    NO_MORE,
+};
+static const argument of_section[] = {
+    { "plane", ARGUMENT_OBJECT, true, 0, 0, NULL },
     NO_MORE,
 };
 static const argument of_exemplar[] = {
@@ -96,6 +100,7 @@ const verb editor_verbs[] = {
     { "automatic", false, of_automatic, false, do_automatic },
     { "layer", false, of_layer, false, do_layer },
     { "lines", false, of_lines, false, do_lines },
+    { "section", false, of_section, false, do_section },
     { "exemplar", false, of_exemplar, false, do_exemplar },
     { "recipe", false, of_recipe, false, do_recipe },
     { "files", false, of_files, false, do_files },

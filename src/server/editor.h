@@ -86,6 +86,7 @@ pith_status do_file_put(editor *own, request *asked, pith_error *err);
 
 pith_status do_layer(editor *own, request *asked, pith_error *err);
 pith_status do_lines(editor *own, request *asked, pith_error *err);
+pith_status do_section(editor *own, request *asked, pith_error *err);
 pith_status do_exemplar(editor *own, request *asked, pith_error *err);
 pith_status do_recipe(editor *own, request *asked, pith_error *err);
 

@@ -23,5 +23,8 @@ pith_status pack_solid(pith_model *body, size_t index, const char *name, const p
                        pith_error *err);
 /* `view` of the whole model, cut as it is now; bodies whose solid is not built come without layers. */
 pith_status pack_view(pith_model *model, const pack_stamp *stamp, packet **made, pith_error *err);
+/* `section` of the model: what a plane would lay open of its visible parts, nothing changed. */
+pith_status pack_section(pith_model *model, const pith_plane *plane, const pack_stamp *stamp, packet **made,
+                         pith_error *err);
 
 #endif

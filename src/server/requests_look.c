@@ -28,6 +28,11 @@ pith_status do_lines(editor *own, request *asked, pith_error *err)
     return ask_viewer(own, asked, QUESTION_LINES, err);
 }
 
+pith_status do_section(editor *own, request *asked, pith_error *err)
+{
+    return ask_viewer(own, asked, QUESTION_SECTION, err);
+}
+
 /* ---- exemplars ----------------------------------------------------------------------------------------------------- */
 
 /* The exemplar of a body's solid as the present document has it; borrowed. */

@@ -35,7 +35,7 @@ void viewer_hello(viewer *own, uint32_t socket);                            /* s
 /* A question about what is shown, answered to the socket by a packet or a refusal; `asked` are the keys of the request, and
    are taken over, also after a failure. It waits until there is a model to look at. One that a newer question of the same
    socket makes useless (the layer of another depth) is refused as superseded when it still waits. */
-typedef enum question_kind { QUESTION_LAYER, QUESTION_LINES } question_kind;
+typedef enum question_kind { QUESTION_LAYER, QUESTION_LINES, QUESTION_SECTION } question_kind;
 pith_status viewer_ask(viewer *own, question_kind kind, uint32_t socket, json_int_t id, json_t *asked, pith_error *err);
 /* Refuses all that waits: there will be no model to look at. */
 void viewer_refuse_questions(viewer *own, const char *message);

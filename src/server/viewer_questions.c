@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include "bodies.h"
+#include "pack.h"
 #include "request.h"
 #include "viewer_internal.h"
 
@@ -119,6 +120,7 @@ static pith_status answer_layer(viewer *own, const question *at, size_t body, pa
     const pith_mesh_view view = pith_mesh_look(mesh);
     packet_maker *maker = begin("layer", at, body);
     json_object_set_new(packet_text(maker), "range", json_pack("[ff]", seen.lowest, seen.highest));
+    json_object_set(packet_text(maker), "depth", json_object_get(at->asked, "depth"));
     put_points(maker, "positions", view.positions, view.vertex_count);
     put_points(maker, "normals", view.normals, view.vertex_count);
     packet_borrow(maker, "triangles", PACKET_U32, view.triangles, 3 * (size_t)view.triangle_count);
@@ -197,6 +199,22 @@ static pith_status lines_on_layer(gathered *all, const pith_look *look, double d
     return status;
 }
 
+/* Lines on what is seen of the body: on the skin of its parts, or on their sections. Parts are numbered as in the view. */
+static pith_status lines_on_parts(viewer *own, size_t body, pith_face_kind kind, gathered *all, const pith_look *look,
+                                  const pith_streamline_options *options, pith_error *err)
+{
+    pith_model *model = viewer_shown(own)->model;
+    const pith_model_piece *pieces;
+    size_t count;
+    PITH_TRY(pith_model_pieces(model, pith_model_built(model).solid, &pieces, &count, err));
+    for (size_t i = 0; i < count; ++i) {
+        if (pieces[i].body != body || pieces[i].hidden) continue;
+        const pith_look_place place = { .kind = PITH_LOOK_SHELL, .shell = pieces[i].shell, .kinds = PITH_LOOK_AT(kind) };
+        PITH_TRY(lines_at(all, look, &place, (uint32_t)i, options, err));
+    }
+    return PITH_OK;
+}
+
 static pith_status answer_lines(viewer *own, const question *at, size_t body, packet **made, pith_error *err)
 {
     const json_t *of = json_object_get(at->asked, "of"), *spacing = json_object_get(at->asked, "spacing");
@@ -217,6 +235,8 @@ static pith_status answer_lines(viewer *own, const question *at, size_t body, pa
     gathered all = { .points = 0 };
     pith_status status;
     if (looked.layers) status = lines_on_layer(&all, look, json_number_value(depth), &options, err);
+    else if (strcmp(where, "skin") == 0) status = lines_on_parts(own, body, PITH_SKIN, &all, look, &options, err);
+    else if (strcmp(where, "section") == 0) status = lines_on_parts(own, body, PITH_SECTION, &all, look, &options, err);
     else status = lines_at(&all, look, &(pith_look_place){ .kind = PITH_LOOK_BODY }, PITH_NONE, &options, err);
     if (status != PITH_OK) {
         gathered_clear(&all);
@@ -233,15 +253,40 @@ static pith_status answer_lines(viewer *own, const question *at, size_t body, pa
     return packet_finish(maker, made, err);
 }
 
+/* ---- sections ------------------------------------------------------------------------------------------------------ */
+
+static pith_status read_point(const json_t *plane, const char *key, pith_vec3 *point, pith_error *err)
+{
+    const json_t *from = json_object_get(plane, key);
+    bool numbers = json_array_size(from) == 3;
+    for (size_t k = 0; numbers && k < 3; ++k) numbers = json_is_number(json_array_get(from, k));
+    if (!numbers) return pith_fail(err, PITH_BAD_ARGUMENT, "plane.%s: expected [x, y, z]", key);
+    *point = pith_v3(json_number_value(json_array_get(from, 0)), json_number_value(json_array_get(from, 1)),
+                     json_number_value(json_array_get(from, 2)));
+    return PITH_OK;
+}
+
+static pith_status answer_section(viewer *own, const question *at, packet **made, pith_error *err)
+{
+    const json_t *asked = json_object_get(at->asked, "plane");
+    pith_plane plane;
+    PITH_TRY(read_point(asked, "point", &plane.point, err));
+    PITH_TRY(read_point(asked, "normal", &plane.normal, err));
+    const pack_stamp stamp = { .revision = own->revision, .serial = ++own->serial, .id = at->id };
+    return pack_section(viewer_shown(own)->model, &plane, &stamp, made, err);
+}
+
 /* ---- answering ----------------------------------------------------------------------------------------------------- */
 
 static pith_status answer(viewer *own, const question *at, packet **made, pith_error *err)
 {
     size_t body;
+    if (at->kind == QUESTION_SECTION) return answer_section(own, at, made, err);
     PITH_TRY(body_find(viewer_shown(own)->held, json_string_value(json_object_get(at->asked, "body")), &body, err));
     switch (at->kind) {
     case QUESTION_LAYER: return answer_layer(own, at, body, made, err);
     case QUESTION_LINES: return answer_lines(own, at, body, made, err);
+    case QUESTION_SECTION: break; /* of all bodies: answered above */
     }
     return PITH_OK;
 }

@@ -369,6 +369,10 @@ static pith_nearest find_nearest(const pith_tracer *tracer, pith_vec3 point)
 
 void pith_tracer_nearest(const pith_tracer *tracer, const pith_vec3 *points, size_t count, pith_nearest *nearest)
 {
-#pragma omp parallel for num_threads(pith_threads()) schedule(dynamic, 64) if (count > PARALLEL_FROM)
+    if (count <= PARALLEL_FROM) { /* even a team of one thread takes longer to form than a point takes */
+        for (size_t i = 0; i < count; ++i) nearest[i] = find_nearest(tracer, points[i]);
+        return;
+    }
+#pragma omp parallel for num_threads(pith_threads()) schedule(dynamic, 64)
     for (size_t i = 0; i < count; ++i) nearest[i] = find_nearest(tracer, points[i]);
 }

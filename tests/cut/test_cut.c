@@ -311,6 +311,39 @@ static void test_the_cut_does_not_depend_on_threads(void **state)
     pith_part_destroy(part);
 }
 
+/* The section by itself has the area of the cut's, looks along the plane's normal, and is empty where there is none. */
+static void test_the_section_alone_is_that_of_the_cut(void **state)
+{
+    (void)state;
+    pith_error err;
+    pith_part *part = body_part(4, true);
+    pith_rng rng = pith_rng_make(5, 1);
+    for (int i = 0; i < 40; ++i) {
+        const pith_vec3 normal = pith_rng_direction(&rng);
+        const pith_vec3 point = pith_scale(normal, i < 36 ? 1.9 * pith_rng_unit(&rng) - 0.95 : 2.0);
+        double *values = plane_values(part, i == 0 ? pith_v3(0, 0, 0) : point, i == 0 ? pith_v3(0, 0, 1) : normal);
+        halves h = cut(part, values);
+        pith_shell *section = NULL;
+        CHECK_OK(pith_part_section(part, values, &section, &err));
+        double skin, area;
+        pith_shell_measure(section, &skin, &area, NULL);
+        CHECK_NEAR(skin, 0.0, 0);
+        CHECK_NEAR(area, h.section[0], 1e-12);
+        const pith_shell_view view = pith_shell_look(section);
+        assert_int_equal(view.triangle_count > 0, i < 36);
+        for (uint32_t t = 0; t < view.triangle_count; ++t) {
+            const pith_vec3 a = view.positions[view.triangles[t][0]];
+            const pith_vec3 twice = pith_cross(pith_sub(view.positions[view.triangles[t][1]], a),
+                                               pith_sub(view.positions[view.triangles[t][2]], a));
+            CHECK_AT_LEAST(pith_dot(twice, i == 0 ? pith_v3(0, 0, 1) : normal), -1e-14);
+        }
+        pith_shell_destroy(section);
+        drop(&h);
+        free(values);
+    }
+    pith_part_destroy(part);
+}
+
 static void test_refusals_name_what_is_wrong(void **state)
 {
     (void)state;
@@ -369,6 +402,7 @@ int main(void)
         cmocka_unit_test(test_triangles_know_tet_kind_and_material),
         cmocka_unit_test(test_normals_are_smooth_on_skin_and_break_at_the_section),
         cmocka_unit_test(test_the_cut_does_not_depend_on_threads),
+        cmocka_unit_test(test_the_section_alone_is_that_of_the_cut),
         cmocka_unit_test(test_refusals_name_what_is_wrong),
         cmocka_unit_test(test_every_allocation_may_fail),
     };

@@ -1,6 +1,7 @@
 /* Looks at the fields of bodies whose fields are known: a slab in which depth is linear in z, so that every layer is
    flat and every line straight, and a ball whose depth is radial. */
 #include "document_samples.h"
+#include "field/line_measures.h"
 
 static pith_error err;
 
@@ -120,6 +121,17 @@ static void test_depths_and_colours(void **state)
     }
 }
 
+/* What of the body is behind the plane: skin all around, a section on top. */
+static pith_shell *half_shell(const looked *l, pith_plane plane)
+{
+    pith_shell *shell = NULL;
+    double *values = pith_alloc(pith_part_look(l->view.part).vertex_count, sizeof *values);
+    CHECK_OK(pith_part_plane_values(l->view.part, &plane, values, &err));
+    CHECK_OK(pith_part_cut(l->view.part, values, &shell, NULL, &err));
+    pith_free(values);
+    return shell;
+}
+
 /* ---- surfaces ---------------------------------------------------------------------------------------------------- */
 
 static double area_of(const pith_mesh *mesh)
@@ -177,17 +189,6 @@ static void test_layers(void **state)
     pith_free(depths);
     pith_mesh_destroy(mesh);
     close_look(&l);
-}
-
-/* The lower half of the slab as a shell: skin all around, a section on top. */
-static pith_shell *half_shell(const looked *l, pith_plane plane)
-{
-    pith_shell *shell = NULL;
-    double *values = pith_alloc(pith_part_look(l->view.part).vertex_count, sizeof *values);
-    CHECK_OK(pith_part_plane_values(l->view.part, &plane, values, &err));
-    CHECK_OK(pith_part_cut(l->view.part, values, &shell, NULL, &err));
-    pith_free(values);
-    return shell;
 }
 
 static void test_shells(void **state)
@@ -323,6 +324,214 @@ static void test_arrows(void **state)
     close_look(&l);
 }
 
+/* ---- on what is seen --------------------------------------------------------------------------------------------- */
+
+static pith_polylines *lines_on(const looked *l, const pith_shell *shell, uint32_t kinds)
+{
+    const pith_streamline_options options = pith_streamline_options_default();
+    const pith_look_place place = { .kind = PITH_LOOK_SHELL, .shell = shell, .kinds = kinds };
+    pith_polylines *lines = NULL;
+    const double start = pith_seconds();
+    CHECK_OK(pith_look_lines(l->look, &place, &options, NULL, &lines, &err));
+    const pith_polylines_view view = pith_polylines_look(lines);
+    print_message("%u triangles: %u lines, %u points, %.3f s\n", pith_shell_look(shell).triangle_count, view.line_count,
+                  view.line_count ? view.start[view.line_count] : 0, pith_seconds() - start);
+    return lines;
+}
+
+/* Directions of lines on the plane against the field as the whole body has it, made tangent: the greatest angle over
+   pieces that are longer than a fifth of the spacing, degrees, and how many of these there are. */
+static double off_the_field(const looked *l, const pith_polylines_view *lines, const pith_plane *plane, int *pieces)
+{
+    const double spacing = 0.03 * pith_distance(l->view.box.low, l->view.box.high);
+    const pith_vec3 normal = pith_unit(plane->normal);
+    double worst = 0;
+    *pieces = 0;
+    for (uint32_t line = 0; line < lines->line_count; ++line)
+        for (uint32_t i = lines->start[line]; i + 1 < lines->start[line + 1]; ++i) {
+            const pith_vec3 a = lines->points[i], b = lines->points[i + 1], middle = pith_lerp(a, b, 0.5);
+            pith_vec3 there;
+            CHECK_NEAR(pith_dot(pith_sub(b, plane->point), normal), 0, 1e-12);
+            if (pith_distance(a, b) < 0.2 * spacing) continue;
+            l->view.directions.sample(l->view.directions.user, &middle, 1, &there);
+            const pith_vec3 expected = pith_reject(there, normal), found = pith_sub(b, a);
+            if (pith_length(there) == 0) continue; /* outer voxels have none */
+            worst = fmax(worst, atan2(pith_length(pith_cross(found, expected)), pith_dot(found, expected)));
+            ++*pieces;
+        }
+    return worst * 180 / M_PI;
+}
+
+static void test_lines_on_sections(void **state)
+{
+    (void)state;
+    static const struct { const char *text; pith_look_of of; pith_plane plane; double bound; } cases[] = {
+        { slab, PITH_LOOK_SECONDARY, { { 0.1, 0, 0.4 }, { 0.3, 0.5, 1 } }, 0.05 }, /* straight everywhere */
+        { slab, PITH_LOOK_TERTIARY, { { 0.1, 0, 0.4 }, { 0.3, 0.5, 1 } }, 0.05 },
+        { slab, PITH_LOOK_PRIMARY, { { 0.1, 0, 0.4 }, { 1, 0.5, 0.2 } }, 0.05 },
+        { flow, PITH_LOOK_VECTORS, { { 0.1, 0, 0.4 }, { 1, 0.1, 0.2 } }, 0.05 },
+        { SAMPLE_DOCUMENT, PITH_LOOK_SECONDARY, { { 0, 0.02, 0 }, { 0.1, 1, 0.2 } }, 0.5 }, /* bent */
+        { SAMPLE_DOCUMENT, PITH_LOOK_PRIMARY, { { 0, 0.02, 0 }, { 0.1, 1, 0.2 } }, 0.5 },
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        looked l;
+        CHECK_OK(open_look(cases[i].text, cases[i].of, false, &l));
+        pith_shell *shell = half_shell(&l, cases[i].plane);
+        pith_mesh *mesh = NULL;
+        CHECK_OK(pith_look_shell(l.look, shell, PITH_LOOK_AT(PITH_SECTION), &mesh, &err));
+        pith_polylines *lines = lines_on(&l, shell, PITH_LOOK_AT(PITH_SECTION));
+        const pith_polylines_view view = pith_polylines_look(lines);
+        const pith_mesh_view section = pith_mesh_look(mesh);
+        const double spacing = 0.03 * pith_distance(l.view.box.low, l.view.box.high);
+        double length = 0;
+        int pieces;
+        for (uint32_t line = 0; line < view.line_count; ++line) length += length_of(&view, line);
+        for (uint32_t p = 0; p < view.start[view.line_count]; p += 7)
+            CHECK_AT_MOST(off_triangles(&section, view.points[p]), 1e-12); /* inside the section's border */
+        const double off = off_the_field(&l, &view, &cases[i].plane, &pieces);
+        print_message("%.2f degrees off over %d pieces, %.2f spacings apart\n", off, pieces,
+                      area_of(mesh) / length / spacing);
+        CHECK_AT_MOST(off, cases[i].bound);
+        CHECK_AT_LEAST(pieces, 200);
+        CHECK_NEAR(area_of(mesh) / length, spacing, 0.3 * spacing); /* evenly, whatever the section's size */
+        CHECK_AT_LEAST(least_distance(&view), 0.5 * spacing);
+        pith_polylines_destroy(lines);
+        pith_mesh_destroy(mesh);
+        pith_shell_destroy(shell);
+        close_look(&l);
+    }
+}
+
+/* Along x on the skin of the slab: over top and bottom and along the sides, and nothing on the two ends, where the
+   field stands. */
+static void test_lines_on_the_skin(void **state)
+{
+    (void)state;
+    looked l;
+    pith_shell *shell = NULL;
+    pith_mesh *mesh = NULL;
+    CHECK_OK(open_look(slab, PITH_LOOK_SECONDARY, false, &l));
+    CHECK_OK(pith_part_shell(l.view.part, &shell, &err));
+    CHECK_OK(pith_look_shell(l.look, shell, PITH_LOOK_AT(PITH_SKIN), &mesh, &err));
+    const pith_mesh_view skin = pith_mesh_look(mesh);
+    pith_polylines *lines = lines_on(&l, shell, PITH_LOOK_AT(PITH_SKIN));
+    const pith_polylines_view view = pith_polylines_look(lines);
+    int top = 0, bottom = 0, sides = 0;
+    double length = 0;
+    for (uint32_t line = 0; line < view.line_count; ++line) {
+        const uint32_t first = view.start[line], end = view.start[line + 1];
+        const pith_vec3 middle = view.points[(first + end) / 2];
+        top += fabs(middle.z - 0.8) < 1e-9;
+        bottom += fabs(middle.z) < 1e-9;
+        sides += fabs(fabs(middle.y) - 0.7) < 0.02;
+        for (uint32_t p = first; p < end; p += 3) CHECK_AT_MOST(off_triangles(&skin, view.points[p]), 1e-12);
+        length += length_of(&view, line);
+    }
+    print_message("%d lines on top, %d at the bottom, %d on the sides\n", top, bottom, sides);
+    assert_true(top >= 15 && bottom >= 15 && sides >= 16);
+    const double area = 2 * 2 * 1.4 + 2 * 2 * 0.8; /* without the ends */
+    CHECK_NEAR(area / length, 0.03 * diagonal, 0.3 * 0.03 * diagonal);
+    pith_polylines_destroy(lines);
+
+    /* Of a shell that is cut, skin and section at once are as many as by themselves. */
+    pith_shell_destroy(shell);
+    shell = half_shell(&l, (pith_plane){ { 0, 0, 0.4 }, { 0, 0, 1 } });
+    double lengths[4] = { 0, 0, 0, 0 };
+    for (uint32_t kinds = 0; kinds < 4; ++kinds) {
+        lines = lines_on(&l, shell, kinds);
+        const pith_polylines_view some = pith_polylines_look(lines);
+        for (uint32_t line = 0; line < some.line_count; ++line) lengths[kinds] += length_of(&some, line);
+        pith_polylines_destroy(lines);
+    }
+    CHECK_NEAR(lengths[0], 0, 0); /* no triangles, no lines */
+    CHECK_NEAR(lengths[3], lengths[1] + lengths[2], 0.1 * lengths[3]);
+    pith_shell_destroy(shell);
+    pith_mesh_destroy(mesh);
+    close_look(&l);
+}
+
+/* A field that stands on the section leaves it empty; arrows are scattered, and lie in it. */
+static void test_arrows_on_sections(void **state)
+{
+    (void)state;
+    looked l;
+    CHECK_OK(open_look(slab, PITH_LOOK_SECONDARY, false, &l));
+    const pith_streamline_options options = pith_streamline_options_default();
+    const double pitch = PITH_LOOK_ARROWS_APART * options.spacing * diagonal;
+    const pith_plane planes[] = { { { 0.1, 0, 0.4 }, { 1, 0, 0 } }, { { 0.1, 0, 0.4 }, { 1, 0, 1 } } };
+    for (int i = 0; i < 2; ++i) {
+        pith_shell *shell = half_shell(&l, planes[i]);
+        const pith_look_place place = { .kind = PITH_LOOK_SHELL, .shell = shell, .kinds = PITH_LOOK_AT(PITH_SECTION) };
+        pith_polylines *lines = lines_on(&l, shell, place.kinds);
+        assert_int_equal(pith_polylines_look(lines).line_count > 0, i);
+        pith_polylines_destroy(lines);
+        pith_vec3 *points = NULL, *vectors = NULL;
+        size_t count;
+        CHECK_OK(pith_look_arrows(l.look, &place, &options, &points, &vectors, &count, &err));
+        assert_true(count > 30);
+        for (size_t k = 0; k < count; ++k) {
+            const pith_vec3 expected = i == 0 ? pith_v3(0, 0, 0) : pith_v3(sqrt(0.5), 0, -sqrt(0.5));
+            CHECK_NEAR(pith_dot(pith_sub(points[k], planes[i].point), planes[i].normal), 0, 1e-12);
+            CHECK_NEAR(pith_distance(vectors[k], expected), 0, i == 0 ? 0 : 0.03);
+            for (size_t m = 0; m < k; ++m)
+                CHECK_AT_LEAST(pith_distance(points[k], points[m]), 0.8 * pitch * (1 - 1e-12));
+        }
+        pith_free(points);
+        pith_free(vectors);
+        const pith_look_place nothing = { .kind = PITH_LOOK_SHELL, .shell = shell, .kinds = 0 };
+        CHECK_OK(pith_look_arrows(l.look, &nothing, &options, &points, &vectors, &count, &err));
+        assert_int_equal(count, 0);
+        pith_free(points);
+        pith_free(vectors);
+        pith_shell_destroy(shell);
+    }
+    close_look(&l);
+}
+
+/* What is seen of another body is refused; failed calls leave nothing behind. */
+static void test_refusals_on_shells(void **state)
+{
+    (void)state;
+    looked small, large;
+    CHECK_OK(open_look(SAMPLE_DOCUMENT, PITH_LOOK_SECONDARY, false, &small));
+    CHECK_OK(open_look(slab, PITH_LOOK_SECONDARY, false, &large));
+    const pith_plane plane = { { 0, 0.02, 0.3 }, { 0.1, 1, 0.2 } };
+    pith_shell *other = half_shell(&large, plane), *own = half_shell(&small, plane);
+    pith_streamline_options options = pith_streamline_options_default();
+    pith_look_place place = { .kind = PITH_LOOK_SHELL, .shell = other, .kinds = PITH_LOOK_AT(PITH_SECTION) };
+    pith_polylines *lines = NULL;
+    pith_vec3 *points = NULL, *vectors = NULL;
+    size_t count = 77;
+    CHECK_FAILS(pith_look_lines(small.look, &place, &options, NULL, &lines, &err), PITH_BAD_ARGUMENT,
+                "give a shell of this body");
+    CHECK_FAILS(pith_look_arrows(small.look, &place, &options, &points, &vectors, &count, &err), PITH_BAD_ARGUMENT,
+                "give a shell of this body");
+    place.shell = own;
+    options.spacing = 0.2;
+    int failures = 0;
+    for (size_t n = 0; failures < 10000; ++n) {
+        pith_memory_fail_after(n);
+        pith_status status = pith_look_lines(small.look, &place, &options, NULL, &lines, &err);
+        const bool traced = status == PITH_OK;
+        if (traced) status = pith_look_arrows(small.look, &place, &options, &points, &vectors, &count, &err);
+        pith_memory_fail_after(SIZE_MAX);
+        if (traced) pith_polylines_destroy(lines);
+        else assert_null(lines);
+        lines = NULL;
+        if (status == PITH_OK) break;
+        assert_int_equal(status, PITH_NO_MEMORY);
+        assert_true(!points && !vectors && count == 77);
+        ++failures;
+    }
+    assert_true(failures > 30 && failures < 10000 && count < 77);
+    pith_free(points);
+    pith_free(vectors);
+    pith_shell_destroy(other);
+    pith_shell_destroy(own);
+    close_look(&small);
+    close_look(&large);
+}
+
 /* ---- refusals ---------------------------------------------------------------------------------------------------- */
 
 static void check_refused(const char *text, pith_look_of of, bool layers, const char *words)
@@ -400,7 +609,9 @@ int main(void)
         cmocka_unit_test(test_layers), cmocka_unit_test(test_shells),
         cmocka_unit_test(test_lines_in_the_body_and_on_layers),
         cmocka_unit_test(test_lines_stay_on_bent_layers), cmocka_unit_test(test_arrows),
-        cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_lines_on_sections),
+        cmocka_unit_test(test_lines_on_the_skin), cmocka_unit_test(test_arrows_on_sections),
+        cmocka_unit_test(test_refusals_on_shells), cmocka_unit_test(test_refusals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,81 @@
+// The socket: requests with answers, events, packets; and finding the server again when it was away.
+
+import { readPacket, writeUpload, type Json, type Packet, type ServerEvent } from './protocol';
+
+/** A request that was refused; the message is a sentence for people. */
+export class Refusal extends Error {
+  constructor(readonly status: string, message: string) { super(message); }
+}
+
+type Answer = { resolve: (value: any) => void; reject: (reason: Error) => void };
+
+export class Connection {
+  onEvent: (event: ServerEvent) => void = () => {};
+  onPacket: (packet: Packet) => void = () => {};
+  onState: (state: 'open' | 'lost' | 'refused') => void = () => {};
+
+  private socket: WebSocket | null = null;
+  private waiting = new Map<number, Answer>();
+  private next = 1;
+  private tries = 0;
+
+  constructor(private readonly token: string) { this.open(); }
+
+  private open(): void {
+    const socket = new WebSocket(`ws://${location.host}/socket?token=${encodeURIComponent(this.token)}`, 'pith');
+    socket.binaryType = 'arraybuffer';
+    let opened = false;
+    socket.onopen = () => { opened = true; this.tries = 0; this.onState('open'); };
+    socket.onmessage = (message) => this.receive(message.data);
+    socket.onclose = () => {
+      if (this.socket !== socket) return;
+      for (const answer of this.waiting.values()) answer.reject(new Refusal('lost', 'The connection to pith was lost.'));
+      this.waiting.clear();
+      // A server that was there and refuses now has another token: this page is from an earlier run.
+      this.onState(!opened && this.tries > 5 ? 'refused' : 'lost');
+      setTimeout(() => this.open(), Math.min(250 * 2 ** this.tries++, 4000));
+    };
+    this.socket = socket;
+  }
+
+  private receive(data: string | ArrayBuffer): void {
+    if (typeof data !== 'string') {
+      const packet = readPacket(data);
+      if (packet.id !== undefined) this.take(packet.id)?.resolve(packet);
+      else this.onPacket(packet);
+      return;
+    }
+    const message = JSON.parse(data) as Json;
+    if (message.event) this.onEvent(message as ServerEvent);
+    else if (message.ok) this.take(message.id)?.resolve(message);
+    else this.take(message.id)?.reject(new Refusal(message.status, message.message));
+  }
+
+  private take(id: number): Answer | undefined {
+    const answer = this.waiting.get(id);
+    this.waiting.delete(id);
+    return answer;
+  }
+
+  /** Sends a request; resolves with its answer (JSON, or a packet), rejects with a Refusal. */
+  ask<T = Json>(what: string, keys: Json = {}): Promise<T> {
+    return this.send((id) => JSON.stringify({ id, do: what, ...keys }));
+  }
+
+  /** Sends bytes along with a request. */
+  upload<T = Json>(what: string, keys: Json, bytes: Uint8Array): Promise<T> {
+    return this.send((id) => writeUpload({ id, do: what, ...keys }, bytes));
+  }
+
+  private send<T>(make: (id: number) => string | ArrayBuffer): Promise<T> {
+    return new Promise<T>((resolve, reject) => {
+      if (this.socket?.readyState !== WebSocket.OPEN) {
+        reject(new Refusal('lost', 'There is no connection to pith; it is being looked for.'));
+        return;
+      }
+      const id = this.next++;
+      this.waiting.set(id, { resolve, reject });
+      this.socket.send(make(id));
+    });
+  }
+}

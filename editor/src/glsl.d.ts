@@ -1,0 +1,2 @@
+declare module '*.glsl' { const text: string; export default text; }
+declare module '*.svg' { const text: string; export default text; }

@@ -1,0 +1,98 @@
+// The page begins here.
+
+import { Actions } from './actions';
+import { Timing, type App } from './app';
+import { Connection } from './connection';
+import { Model } from './model';
+import { buildPage } from './panels/page';
+import type { DocumentEvent, Hello, JobEvent } from './protocol';
+import { Store } from './store';
+import { installFieldView } from './fieldview';
+import { cutTool } from './tools/cut';
+import { depthTool, directionTool, pointsTool } from './tools/draw';
+import { installMarks } from './tools/marks';
+import { faceTool, fillTool } from './tools/paint';
+import { pasteTool, scaleTool } from './tools/place';
+import { planeTool } from './tools/plane';
+import { selectTool } from './tools/select';
+import { Toolbox } from './tools/toolbox';
+import { Messages } from './ui/dialog';
+import { Viewport } from './view/viewport';
+
+const token = location.hash.slice(1);
+const store = new Store();
+const connection = new Connection(token);
+const viewport = new Viewport();
+const actions = new Actions(connection, store);
+const toolbox = new Toolbox(store, viewport);
+const calm = matchMedia('(prefers-reduced-motion: reduce)');
+
+let together = 1, moving = 0;
+const app: App = {
+  store, connection, actions, viewport, toolbox, model: new Model(connection), messages: new Messages(), timing: new Timing(),
+  assemble(on) {
+    const from = together, to = on ? 0 : 1, start = performance.now();
+    cancelAnimationFrame(moving);
+    const step = (now: number) => {
+      const part = calm.matches ? 1 : Math.min(1, (now - start) / 180);
+      together = from + (to - from) * part * (2 - part);
+      viewport.arrange(together, together * store.state.apart * 0.5 * viewport.diagonal);
+      if (part < 1) moving = requestAnimationFrame(step);
+    };
+    step(start);
+  },
+};
+
+function takeDocument(event: Omit<DocumentEvent, 'event'>): void {
+  const { revision, document, name, undo, redo, saved, recovered, bodies } = event;
+  store.set({ revision, document, name, undo, redo, saved, recovered, bodies, body: Math.min(store.state.body, Math.max(0, bodies.length - 1)) });
+  viewport.stale(new Set(bodies.flatMap((body, i) => (body.shown ? [] : [i]))));
+  const render = document.render ?? {};
+  viewport.light(render.light_azimuth ?? -50, render.light_elevation ?? 48);
+}
+
+function takeJob(event: JobEvent): void {
+  const others = store.state.jobs.filter((job) => job.job !== event.job && (job.state === 'waiting' || job.state === 'running'));
+  store.set({ jobs: [...others, event] });
+}
+
+async function hello(): Promise<void> {
+  const answer = await connection.ask<Hello>('hello');
+  const { version, path, file, socket, automatic, schema, types, templates } = answer;
+  viewport.statedCamera = answer.document.camera;
+  store.set({ connection: 'open', version, path, file, socket, automatic, schema, types, templates });
+  takeDocument(answer);
+}
+
+connection.onState = (state) => {
+  store.set({ connection: state === 'open' ? store.state.connection : state });
+  if (state === 'open') hello().catch((reason) => actions.complain(String(reason.message ?? reason)));
+};
+connection.onEvent = (event) => {
+  if (event.event === 'document') takeDocument(event);
+  else if (event.event === 'job') takeJob(event);
+  else if (event.event === 'automatic') store.set({ automatic: event.on });
+};
+connection.onPacket = (packet) => {
+  if (packet.kind === 'view') app.timing.view(packet.bytes, packet.head.seconds ?? {});
+  app.model.take(packet);
+  if (viewport.take(packet)) store.set({ serial: store.state.serial + 1 });
+};
+viewport.onDraw.push(() => app.timing.drawn());
+viewport.onView.push(() => {
+  viewport.arrange(together, together * store.state.apart * 0.5 * viewport.diagonal);
+  if (store.state.part !== null && store.state.part >= viewport.view!.parts.length) store.set({ part: null });
+  viewport.pick(store.state.part);
+});
+store.on(['apart'], () => viewport.arrange(together, together * store.state.apart * 0.5 * viewport.diagonal));
+store.on(['part'], () => viewport.pick(store.state.part));
+store.on(['mode'], () => viewport.look({ mode: { solid: 0, volume: 0, depth: 1, shape: 2 }[store.state.mode] }));
+store.on(['isolines'], () => viewport.look({ isolines: store.state.isolines }));
+
+toolbox.add(selectTool(app), cutTool(app), planeTool(app), fillTool(app), faceTool(app), depthTool(app), pointsTool(app),
+            directionTool(app), scaleTool(app), pasteTool(app));
+buildPage(app);
+installFieldView(app);
+installMarks(app);
+toolbox.enter();
+(globalThis as any).pith = app; // for tests, benchmarks, and the curious

@@ -1,0 +1,95 @@
+// Exemplars as people see them: a name, a cube, and those a document knows.
+
+import type { App } from '../app';
+import type { Json } from '../protocol';
+import type { Voxels } from '../model';
+
+/** What an exemplar is called: its file's name, or that its recipe stands in the document. */
+export function exemplarName(exemplar: Json | undefined): string {
+  const path = (exemplar?.recipe ?? exemplar?.file) as string | undefined;
+  if (path) return path.split('/').pop()!.replace(/\.(json|nrrd)$/, '').replaceAll('_', ' ');
+  return exemplar?.layered ? 'recipe in the document' : 'none';
+}
+
+/** All exemplars a document names, each once, in the order they stand. */
+export function exemplarsOf(document: Json): Json[] {
+  const found = new Map<string, Json>();
+  for (const body of document.bodies ?? [document]) {
+    for (const solid of body.solids ?? []) {
+      for (const each of [solid, ...(solid.pastes ?? [])]) {
+        if (each.exemplar) found.set(JSON.stringify(each.exemplar), each.exemplar);
+      }
+    }
+  }
+  return [...found.values()];
+}
+
+/** Keeps a canvas showing an exemplar as a cube, three of its faces seen; asks the server when `keys` change. */
+export class Cube {
+  readonly canvas = document.createElement('canvas');
+  /** The voxels shown last; null before. */
+  voxels: Voxels | null = null;
+  private shown = '';
+
+  constructor(private readonly app: App, size: number) {
+    const ratio = Math.min(2, window.devicePixelRatio || 1);
+    this.canvas.width = this.canvas.height = Math.round(size * ratio);
+    this.canvas.style.width = this.canvas.style.height = `${size}px`;
+    this.canvas.className = 'cube';
+    this.canvas.setAttribute('role', 'img');
+    this.canvas.setAttribute('aria-label', 'Exemplar');
+  }
+
+  /** Shows the exemplar of a request, when it is another than the one shown. Returns a sentence when it is refused. */
+  async show(keys: Json, of: unknown): Promise<string | null> {
+    const text = JSON.stringify([keys, of]);
+    if (text === this.shown) return null;
+    this.shown = text;
+    this.canvas.classList.add('waiting');
+    try {
+      const voxels = await this.app.model.exemplar(keys);
+      if (text !== this.shown) return null;
+      this.voxels = voxels;
+      drawCube(this.canvas, voxels);
+      return null;
+    } catch (reason) {
+      if (text === this.shown) this.shown = '';
+      return (reason as Error).message;
+    } finally {
+      this.canvas.classList.remove('waiting');
+    }
+  }
+}
+
+/* Three faces in parallel projection: r to the right, t to the back, s (inwards) down. */
+function drawCube(canvas: HTMLCanvasElement, { size: [nr, ns, nt], voxels }: Voxels): void {
+  const brush = canvas.getContext('2d')!, side = canvas.width, u = side * 0.46, v = side * 0.255;
+  const at = (r: number, s: number, t: number): number => 4 * (r + nr * (s + ns * t));
+  brush.setTransform(1, 0, 0, 1, 0, 0);
+  brush.clearRect(0, 0, side, side);
+  const middle = side / 2, top = side * 0.03;
+  // Upper face: s = 0, seen from outside. Left: t = last, r against s. Right: r = last, t against s.
+  face(brush, nr, nt, (x, y) => at(x, 0, y), [u, v, -u, v, middle, top], 1, voxels);
+  face(brush, nr, ns, (x, y) => at(x, y, nt - 1), [u, v, 0, side * 0.44, middle - u, top + v], 0.8, voxels);
+  face(brush, nt, ns, (x, y) => at(nr - 1, y, nt - 1 - x), [u, -v, 0, side * 0.44, middle, top + 2 * v], 0.62, voxels);
+}
+
+/* One face, as an image on a parallelogram: two edges and the corner they start from. */
+function face(brush: CanvasRenderingContext2D, wide: number, high: number, place: (x: number, y: number) => number,
+  [ax, ay, bx, by, ox, oy]: number[], light: number, voxels: Uint8Array): void {
+  const image = new ImageData(wide, high);
+  for (let y = 0; y < high; ++y) {
+    for (let x = 0; x < wide; ++x) {
+      const from = place(x, y), to = 4 * (x + wide * y);
+      for (let c = 0; c < 3; ++c) image.data[to + c] = voxels[from + c] * light;
+      image.data[to + 3] = voxels[from + 3];
+    }
+  }
+  const sheet = document.createElement('canvas');
+  sheet.width = wide;
+  sheet.height = high;
+  sheet.getContext('2d')!.putImageData(image, 0, 0);
+  brush.setTransform(ax / wide, ay / wide, bx / high, by / high, ox, oy);
+  brush.imageSmoothingQuality = 'high';
+  brush.drawImage(sheet, 0, 0);
+}

@@ -1,0 +1,40 @@
+// Operations on parts: the pieces that cuts leave. A point in a part names it.
+
+import type { App } from './app';
+import type { Json, Point } from './protocol';
+import { bodyKey } from './store';
+
+/** Hides or shows a part of the view. */
+export function hidePart(app: App, index: number, hidden: boolean): Promise<boolean> {
+  const part = app.model.parts[index];
+  if (!part) return Promise.resolve(false);
+  const operation = { op: hidden ? 'part.hide' : 'part.show', at: part.inside, ...bodyKey(app.store.state, part.body) };
+  return app.actions.apply(hidden ? 'Hide part' : 'Show part', [operation]);
+}
+
+/** Shows all hidden parts, as one step. */
+export function showAllParts(app: App): Promise<boolean> {
+  return app.actions.apply('Show all parts', [{ op: 'part.show', all: true }]);
+}
+
+/** Puts parts that were moved by hand back where the cuts left them, and no longer pulls them apart for looking. */
+export async function bringTogether(app: App): Promise<void> {
+  app.store.set({ apart: 0 });
+  if (anyMoved(app.store.state.document)) await app.actions.apply('Bring parts together', [{ op: 'part.together' }]);
+}
+
+/** Has a part been moved by hand? */
+export function anyMoved(document: Json): boolean {
+  return ((document.parts ?? []) as { offset?: Point }[]).some((part) => part.offset?.some((x) => x !== 0));
+}
+
+/** Parts as people tell them apart: the body's name where there are several, and a number within the body. */
+export function partNames(app: App): string[] {
+  const { bodies } = app.store.state, counts = new Map<number, number>(), all = new Map<number, number>();
+  for (const part of app.model.parts) all.set(part.body, (all.get(part.body) ?? 0) + 1);
+  return app.model.parts.map((part) => {
+    const nth = (counts.get(part.body) ?? 0) + 1, name = bodies.length > 1 ? bodies[part.body]?.name ?? 'Body' : 'Part';
+    counts.set(part.body, nth);
+    return (all.get(part.body) ?? 0) > 1 || bodies.length <= 1 ? `${name} ${nth}` : name;
+  });
+}

@@ -1,0 +1,118 @@
+// What the page knows: what the server said, and what this page alone has chosen (tool, mode, selection). One object of
+// plain values; whoever shows something listens to the keys it shows.
+
+import type { BodyState, Json, JobEvent, TypeNeeds } from './protocol';
+
+export type ToolName = 'select' | 'cut' | 'plane' | 'fill' | 'face' | 'depth' | 'points' | 'direction' | 'scale' | 'paste';
+export type ViewMode = 'solid' | 'depth' | 'shape' | 'volume';
+
+export interface State {
+  connection: 'connecting' | 'open' | 'lost' | 'refused';
+  version: string;
+  path: string;
+  file: string;
+  socket: number;
+  schema: Json;
+  types: { [type: string]: TypeNeeds };
+  templates: string[];
+
+  revision: number;
+  document: Json;
+  name: string;
+  undo: string[];
+  redo: string[];
+  saved: boolean;
+  recovered: boolean;
+  bodies: BodyState[];
+  automatic: boolean;
+  jobs: JobEvent[];                 // under way, or just ended
+
+  tool: ToolName;
+  mode: ViewMode;
+  body: number;                     // what tools work on
+  part: number | null;              // the picked part of the view
+  paint: number;                    // depth that is painted
+  erase: boolean;                   // does painting take paint away?
+  palette: number[];
+  crease: number;                   // degrees, of the multi-face fill
+  layer: number | null;             // depth of the layer looked at
+  isolines: boolean;
+  lines: 'none' | 'body' | 'layer' | 'skin' | 'section';
+  linesOf: '' | 'primary' | 'secondary' | 'tertiary' | 'vectors';
+  apart: number;                    // how far parts are pulled apart for looking, 0..1
+  size: number;                     // of the exemplar that scale and paste place, model units; 0: not chosen yet
+  pasting: Json | null;             // the exemplar that is pasted, as a document writes it
+  keep: 'both' | 'positive' | 'negative'; // of cuts that are drawn
+  separate: boolean;                // the same
+  chosenCut: number | null;         // the row that Delete takes away
+  tab: 'inside' | 'fields' | 'cuts' | 'look';
+  inspector: boolean;               // is it open?
+  clip: boolean;                    // is the clip plane shown?
+  theme: 'dark' | 'light';
+  hint: string;                     // what the tool says in the status bar
+  serial: number;                   // goes up with every packet of the view
+}
+
+export const initial: State = {
+  connection: 'connecting', version: '', path: '', file: '', socket: 0, schema: {}, types: {}, templates: [],
+  revision: 0, document: {}, name: '', undo: [], redo: [], saved: true, recovered: false, bodies: [], automatic: true,
+  jobs: [],
+  tool: 'select', mode: 'solid', body: 0, part: null, paint: 0, erase: false, palette: [0, 0.25, 0.5, 0.75, 1],
+  crease: 30, layer: null, isolines: true, lines: 'none', linesOf: '', apart: 0, size: 0, pasting: null, keep: 'positive',
+  separate: false, chosenCut: null, tab: 'inside', inspector: true, clip: false, theme: 'dark', hint: '', serial: 0,
+};
+
+type Key = keyof State;
+
+export class Store {
+  readonly state: State = { ...initial };
+  private listeners: { keys: Key[]; call: () => void }[] = [];
+  private changed = new Set<Key>();
+
+  /** Calls back, once, after any of these keys has changed; returns the way to stop it. */
+  on(keys: Key[], call: () => void): () => void {
+    const listener = { keys, call };
+    this.listeners.push(listener);
+    return () => { this.listeners = this.listeners.filter((other) => other !== listener); };
+  }
+
+  set(values: Partial<State>): void {
+    const before = this.changed.size;
+    for (const key of Object.keys(values) as Key[]) {
+      if (this.state[key] === values[key]) continue;
+      (this.state as any)[key] = values[key];
+      this.changed.add(key);
+    }
+    if (before === 0 && this.changed.size > 0) queueMicrotask(() => this.tell());
+  }
+
+  private tell(): void {
+    const changed = this.changed;
+    this.changed = new Set();
+    for (const { keys, call } of this.listeners.slice()) if (keys.some((key) => changed.has(key))) call();
+  }
+}
+
+/** The object of the body that tools work on: the document itself, or an entry of its bodies. */
+export function bodyJson(state: State, index = state.body): Json {
+  return state.document.bodies ? state.document.bodies[index] ?? {} : state.document;
+}
+
+/** Where that object stands in the document, as operations write places: '' or 'bodies[2].'. */
+export function bodyPlace(state: State, index = state.body): string {
+  return state.document.bodies ? `bodies[${index}].` : '';
+}
+
+/** The key that names the body in an operation: nothing in documents of one body. */
+export function bodyKey(state: State, index = state.body): Json {
+  return state.document.bodies ? { body: state.document.bodies[index].name } : {};
+}
+
+/** The solid the body is made of, and its place; null when it has none. */
+export function solidOf(state: State, index = state.body): { json: Json; place: string } | null {
+  const body = bodyJson(state, index);
+  const solids = (body.solids ?? []) as Json[];
+  if (solids.length === 0) return null;
+  const at = Math.max(0, solids.findIndex((solid) => solid.name === body.solid));
+  return { json: solids[at], place: `${bodyPlace(state, index)}solids[${at}]` };
+}

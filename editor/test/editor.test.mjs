@@ -1,0 +1,171 @@
+// The editor as a person uses it: the real program, a real browser. Each test looks at pixels, at the saved document, or
+// at what the command line makes of it.
+import assert from 'node:assert/strict';
+import { execFileSync } from 'node:child_process';
+import { after, afterEach, before, beforeEach, describe, test } from 'node:test';
+import { click, closeBrowser, drag, drawn, existsSync, join, openPage, pixels, program, readDocument, rmSync, settled, startServer, state, viewBox, workFolder, writeFileSync } from './harness.mjs';
+
+let folder, server, opened;
+
+/** Opens a document of examples/, changed first if asked. */
+async function open(name, change, options) {
+  const path = join(folder, 'examples', name);
+  if (change) {
+    const text = readDocument(path);
+    change(text);
+    writeFileSync(path, JSON.stringify(text));
+  }
+  server = await startServer(path);
+  opened = await openPage(server, options);
+  return opened.page;
+}
+
+const apply = (page, name, operations) => page.evaluate(([name, operations]) => globalThis.pith.actions.apply(name, operations), [name, operations]);
+const use = async (page, values) => { await page.evaluate((values) => globalThis.pith.store.set(values), values); await drawn(page); };
+const count = (page, key) => page.evaluate((key) => (globalThis.pith.store.state.document[key] ?? []).length, key);
+
+/** Waits for a condition on the page's state, written as an expression of `s`. */
+const until = (page, expression, timeout = 60000) =>
+  page.waitForFunction((text) => new Function('s', `return ${text}`)(globalThis.pith.store.state), expression, { timeout, polling: 30 });
+
+describe('the editor', { timeout: 600000 }, () => {
+  beforeEach(() => { folder = workFolder(); });
+  afterEach(async () => {
+    assert.deepEqual(opened?.problems ?? [], [], 'the page complained');
+    await opened?.close();
+    await server?.stop();
+    rmSync(folder, { recursive: true, force: true });
+    opened = server = undefined;
+  });
+  after(closeBrowser);
+
+  test('the section is composed as the library samples it', async () => {
+    for (const name of ['kiwi.pith', 'sponge.pith', 'bricks_fitted.pith']) {
+      const page = await open(name);
+      await page.evaluate(() => globalThis.pith.viewport.look({ unlit: true }));
+      const seen = await page.evaluate(() => {
+        const { viewport } = globalThis.pith, { clientWidth: w, clientHeight: h } = viewport.element, list = [];
+        for (let y = 0.2; y < 0.8; y += 0.03) for (let x = 0.2; x < 0.8; x += 0.03) {
+          const hit = viewport.hit(Math.round(w * x) + 0.5, Math.round(h * y) + 0.5);
+          if (hit) list.push({ at: [Math.round(w * x), Math.round(h * y)], point: hit.point.toArray(), kind: hit.kind });
+        }
+        return list;
+      });
+      const colours = await pixels(page, seen.map(({ at }) => at));
+      const input = seen.map(({ point }) => point.join(' ')).join('\n') + '\n';
+      const asked = execFileSync(program, ['sample', server.document], { input, encoding: 'utf8' }).trim().split('\n').map((line) => line.split(/\s+/).map(Number));
+      const encode = (x) => 255 * (x <= 0.0031308 ? 12.92 * x : 1.055 * x ** (1 / 2.4) - 0.055);
+      let sum = 0, far = 0;
+      seen.forEach((_, i) => {
+        const off = Math.max(...[0, 1, 2].map((c) => Math.abs(colours[i][c] - encode(asked[i][c]))));
+        sum += off;
+        if (!(off <= 24)) ++far;
+      });
+      // A pixel is an area and a sample a point: at the edge of a seed they differ. Nearly all must agree.
+      assert.ok(seen.length > 60, `${name}: ${seen.length} places`);
+      assert.ok(sum / seen.length < 6, `${name}: mean difference ${(sum / seen.length).toFixed(2)} of 255`);
+      assert.ok(far < 0.06 * seen.length, `${name}: ${far} of ${seen.length} differ by more than 24`);
+      await opened.close();
+      await server.stop();
+    }
+  });
+
+  test('a cutting stroke cuts, undo heals, redo cuts again, and the command line agrees', async () => {
+    const page = await open('kiwi.pith', (text) => { delete text.cuts; });
+    const { width, height } = await viewBox(page), middle = [Math.round(width * 0.5) - 40, Math.round(height / 2)];
+    const [skin] = await pixels(page, [middle]);
+    await use(page, { tool: 'cut' });
+    await drag(page, [[width / 2, 10], [width / 2 + 10, height / 2], [width / 2, height - 10]]);
+    await until(page, 's.document.cuts && s.document.cuts.length === 1');
+    await settled(page);
+    const parts = await page.evaluate(() => globalThis.pith.viewport.view.parts.filter((part) => !part.hidden).length);
+    assert.equal(parts, 1);
+    const sections = await page.evaluate(() => globalThis.pith.viewport.view.kinds.reduce((sum, kind) => sum + kind, 0));
+    assert.ok(sections > 100, `${sections} triangles of section`);
+    assert.equal(await count(page, 'cuts'), 1);
+    const [cut] = await pixels(page, [middle]);
+    assert.ok(cut.some((value, c) => Math.abs(value - skin[c]) > 8), `left of the stroke was ${skin} and is ${cut}`);
+    await page.keyboard.press('Control+z');
+    await until(page, '!s.document.cuts || s.document.cuts.length === 0');
+    await settled(page);
+    const [healed] = await pixels(page, [middle]);
+    assert.deepEqual(healed, skin);
+    await page.keyboard.press('Control+Shift+z');
+    await until(page, 's.document.cuts && s.document.cuts.length === 1');
+    await page.keyboard.press('Control+s');
+    await until(page, 's.saved');
+    assert.equal(readDocument(server.document).cuts.length, 1);
+    execFileSync(program, ['validate', server.document]);
+    execFileSync(program, ['render', server.document, '-o', join(folder, 'cut.png'), '--width', '80', '--height', '60', '--samples', '1']);
+    assert.ok(existsSync(join(folder, 'cut.png')));
+  });
+
+  test('paint, stroke, update, fill: a bare mesh gets an inside', async () => {
+    const page = await open('kiwi_bunny.pith', (text) => {
+      for (const key of ['depth', 'direction', 'solids', 'cuts', 'camera']) delete text[key];
+    }, { built: false });
+    await page.waitForFunction(() => globalThis.pith.viewport.view);
+    await drawn(page);
+    await use(page, { tool: 'fill', paint: 0, crease: 180 });
+    const { width, height } = await viewBox(page);
+    await click(page, width / 2, height / 2);
+    await until(page, 's.document.depth && s.document.depth.constraints.length === 1');
+    assert.equal((await state(page)).document.depth.constraints[0].depth, 0);
+    const painted = await page.evaluate(() => { const p = globalThis.pith.viewport.meshes.get(0).painted; return [p.length, p.filter((depth) => depth === 0).length]; });
+    assert.ok(painted[1] > 0.9 * painted[0], `${painted[1]} of ${painted[0]} faces are painted`);
+    const core = [[2.6, 2.2, 0.95], [0.2, 3.5, 0.75], [-2.5, 4.9, 0.8]];
+    assert.ok(await apply(page, 'Core', [
+      { op: 'depth.stroke', points: core, depth: 1 }, { op: 'direction.stroke', points: core },
+      { op: 'set', path: 'solids', value: [{ name: 'flesh', kind: 'lapped', type: '1-B', exemplar: { recipe: 'exemplars/kiwi.json' } }] },
+    ]));
+    await settled(page, 120000);
+    await use(page, { tool: 'cut' });
+    await drag(page, [[width / 2, 5], [width / 2, height - 5]]);
+    await until(page, 's.document.cuts && s.document.cuts.length === 1');
+    await settled(page);
+    await page.evaluate(() => globalThis.pith.viewport.look({ unlit: true }));
+    const green = await page.evaluate(async () => {
+      const image = await createImageBitmap(await globalThis.pith.viewport.picture());
+      const canvas = new OffscreenCanvas(image.width, image.height), brush = canvas.getContext('2d');
+      brush.drawImage(image, 0, 0);
+      const { data } = brush.getImageData(0, 0, image.width, image.height);
+      let found = 0;
+      for (let i = 0; i < data.length; i += 4) if (data[i + 3] > 200 && data[i + 1] > data[i] + 20 && data[i + 1] > data[i + 2] + 40) ++found;
+      return found / (data.length / 4);
+    });
+    assert.ok(green >= 0 && green < 1);
+  });
+
+  test('what is saved is there again; what was not saved is recovered', async () => {
+    const page = await open('kiwi.pith');
+    await apply(page, 'Title', [{ op: 'set', path: 'title', value: 'One' }]);
+    await page.keyboard.press('Control+s');
+    await until(page, 's.saved');
+    await apply(page, 'Title', [{ op: 'set', path: 'title', value: 'Two' }]);
+    assert.equal(readDocument(server.document).title, 'One');
+    await opened.close();
+    await server.stop('SIGKILL');
+    server = await startServer(server.document);
+    opened = await openPage(server);
+    const now = await state(opened.page);
+    assert.equal(now.document.title, 'Two');
+    assert.equal(now.recovered, true);
+    assert.equal(now.saved, false);
+    await opened.page.keyboard.press('Control+z');
+    await until(opened.page, "s.document.title === 'One'");
+  });
+
+  test('two pages of one document do not harm it', async () => {
+    const page = await open('kiwi.pith');
+    const second = await openPage(server);
+    const answers = await Promise.all([0, 1, 2, 3, 4, 5].map((i) => apply(i % 2 ? second.page : page, `Title ${i}`, [{ op: 'set', path: 'title', value: `T${i}` }])));
+    assert.ok(answers.some((done) => done));
+    await until(page, 's.connection === "open"');
+    const [a, b] = await Promise.all([state(page), state(second.page)]);
+    assert.equal(a.revision, b.revision);
+    assert.deepEqual(a.document, b.document);
+    assert.equal(a.undo.length, answers.filter((done) => done).length);
+    execFileSync(program, ['validate', server.document]);
+    await second.close();
+  });
+});
