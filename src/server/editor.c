@@ -213,6 +213,7 @@ void editor_close(editor *own)
     viewer_destroy(own->view);
     errands_destroy(own->errands);
     session_close(own->opened);
+    json_decref(own->schema);
     pith_free(own->state);
     free(own->told_bodies);
     pith_free(own);

@@ -25,6 +25,7 @@ struct editor {
     outbox *out;                /* borrowed */
     char examples[4096];        /* as realpath gives it, "" when there is none */
     bool cache, automatic;
+    json_t *schema;             /* of documents; NULL until a page asks */
     builder *build;
     viewer *view;
     errands *errands;

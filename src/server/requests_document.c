@@ -52,20 +52,29 @@ static void tell_document(editor *own, uint32_t by)
     outbox_put(own->out, OUTBOX_ALL, made);
 }
 
-pith_status do_hello(editor *own, request *asked, pith_error *err)
+/* The schema is the same for every page. */
+static pith_status make_schema(editor *own, pith_error *err)
 {
     char *schema = NULL;
+    if (own->schema) return PITH_OK;
     PITH_TRY(pith_document_schema(&schema, err));
+    own->schema = json_loads(schema, 0, NULL);
+    pith_free(schema);
+    return own->schema ? PITH_OK : PITH_OUT_OF_MEMORY(err, "the schema");
+}
+
+pith_status do_hello(editor *own, request *asked, pith_error *err)
+{
+    PITH_TRY(make_schema(own, err));
     json_t *to = asked->answer;
     json_object_set_new(to, "version", json_string(PITH_VERSION_TEXT));
     json_object_set_new(to, "path", json_string(session_path(own->opened)));
     json_object_set_new(to, "file", json_string(session_file(own->opened)));
     json_object_set_new(to, "note", json_string(session_note(own->opened)));
     json_object_set_new(to, "socket", json_integer(asked->socket));
-    json_object_set_new(to, "schema", json_loads(schema, 0, NULL));
+    json_object_set_new(to, "schema", json_incref(own->schema));
     json_object_set_new(to, "types", types());
     describe(own, to);
-    pith_free(schema);
     viewer_hello(own->view, asked->socket);
     return PITH_OK;
 }
