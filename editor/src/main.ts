@@ -99,8 +99,8 @@ store.on(['isolines'], () => viewport.look({ isolines: store.state.isolines }));
 
 toolbox.add(selectTool(app), cutTool(app), planeTool(app), fillTool(app), faceTool(app), depthTool(app), pointsTool(app),
             directionTool(app), scaleTool(app), pasteTool(app));
-buildPage(app);
+const commands = buildPage(app);
 installFieldView(app);
 installMarks(app);
 toolbox.enter();
-(globalThis as any).pith = app; // for tests, benchmarks, and the curious
+(globalThis as any).pith = Object.assign(app, { commands }); // for tests, benchmarks, and the curious
