@@ -33,7 +33,8 @@ void pith_document_destroy(pith_document *document);
 /** The title, or "". */
 const char *pith_document_title(const pith_document *document);
 /** Every file the document names, recipes and the photographs they name included: paths as the document resolves them,
- *  relative to itself or, in a recipe, to the recipe; each once, in the order of the grammar. files: [count], in one block
+ *  relative to itself or, in a recipe, to the recipe; each once, in the order of the grammar. What the header of an NRRD
+ *  points to is not among them. files: [count], in one block
  *  with the texts; caller frees it with pith_free. Reads the recipes: PITH_IO or PITH_BAD_DOCUMENT when one has gone bad
  *  since the document was checked. */
 pith_status pith_document_files(const pith_document *document, char ***files, size_t *count, pith_error *err);
@@ -184,7 +185,8 @@ typedef struct pith_model_piece {
 /** Every piece that the cuts leave, hidden ones too, else in the order of pith_model_items; needs no solids. displaced: with the skins of bodies
  *  that have a displacement moved, which needs the solids of those bodies (PITH_BAD_DOCUMENT when one has none); else as
  *  the cuts left them. The model owns them until its cuts are set anew. Makes the model, and those that share with it,
- *  keep in memory what its cuts make on the way (up to 1 GiB), so that one cut more or less is one cut's work. */
+ *  keep in memory what its cuts make on the way (up to 1 GiB), so that one cut more or less is one cut's work: through
+ *  200 000 tets, one more takes some 20 ms of one core, one less or the last one changed 8 ms, and "parts" 1 ms. */
 pith_status pith_model_pieces(pith_model *model, bool displaced, const pith_model_piece **pieces, size_t *count,
                               pith_error *err);
 /** The shells left after the cuts, with their offsets; empty shells and hidden parts are left out. Cuts apply in sequence: all but the
