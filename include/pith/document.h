@@ -182,15 +182,16 @@ typedef struct pith_model_piece {
     bool hidden;                /* the document's "parts" say so: no item is made of it */
     pith_vec3 inside;           /* a material point inside it, by which it can be named: the middle of its largest tet */
 } pith_model_piece;
-/** Every piece that the cuts leave, hidden ones too, else in the order of pith_model_items; needs no solids. displaced: with the skins of bodies
- *  that have a displacement moved, which needs the solids of those bodies (PITH_BAD_DOCUMENT when one has none); else as
- *  the cuts left them. The model owns them until its cuts are set anew. Makes the model, and those that share with it,
- *  keep in memory what its cuts make on the way (up to 1 GiB), so that one cut more or less is one cut's work: through
- *  200 000 tets, one more takes some 20 ms of one core, one less or the last one changed 8 ms, and "parts" 1 ms. */
+/** Every piece that the cuts leave, hidden ones too, else in the order of pith_model_items; needs no solids.
+ *  displaced: with the skins of bodies that have a displacement moved, which needs the solids of those bodies
+ *  (PITH_BAD_DOCUMENT when one has none); else as the cuts left them. The model owns them until its cuts are set anew.
+ *  Makes the model, and those that share with it, keep in memory what its cuts make on the way (up to 1 GiB), so that one
+ *  cut more or less is one cut's work: through 200 000 tets, one more takes some 20 ms of one core, one less or the last
+ *  one changed 8 ms, and each new entry of "parts" less than 1 ms. */
 pith_status pith_model_pieces(pith_model *model, bool displaced, const pith_model_piece **pieces, size_t *count,
                               pith_error *err);
-/** The shells left after the cuts, with their offsets; empty shells and hidden parts are left out. Cuts apply in sequence: all but the
- *  last split every part there is, the last one only lays its section open. Offsets add up. */
+/** The shells left after the cuts, with their offsets; empty shells and hidden parts are left out. Cuts apply in
+ *  sequence: all but the last split every part there is, the last one only lays its section open. Offsets add up. */
 pith_status pith_model_items(pith_model *model, const pith_render_item **items, size_t *count, pith_error *err);
 /** The parts left after the cuts with their solids, but for hidden ones, for volume rendering. */
 pith_status pith_model_volume_items(pith_model *model, const pith_volume_item **items, size_t *count,
