@@ -14,6 +14,7 @@
  *  lapped_paste.c     further exemplars pasted by hand on top
  *  lapped_look.h      one patch at one point: texture coordinates, alpha, the exemplar there
  *  lapped_sample.c    asking the solid
+ *  lapped_layers.c    the patches over triangles, for composers of their own
  *  lapped_store.c     patches as bytes
  *
  *  Texture space is (r, s, t). What is solved for are r and t, and s too where s is not the depth (types 0): arrays of
@@ -26,7 +27,7 @@
 
 /* ---- masks ------------------------------------------------------------------------------------------------------ */
 
-enum { MASK_SIZE = 48, MASK_BLOCK = 3, MASK_BLOCKS = MASK_SIZE / MASK_BLOCK };
+enum { MASK_SIZE = PITH_LAPPED_MASK, MASK_BLOCK = 3, MASK_BLOCKS = MASK_SIZE / MASK_BLOCK, MASK_CELLS = MASK_SIZE - 1 };
 enum { MASK_OUTER, MASK_MIDDLE, MASK_INNER, MASK_KINDS };
 
 typedef struct lapped_mask {
@@ -36,6 +37,9 @@ typedef struct lapped_mask {
     /* Least and greatest alpha any point of a block (3 cells wide) can get by trilinear lookup. */
     uint8_t least[MASK_BLOCKS][MASK_BLOCKS][MASK_BLOCKS];
     uint8_t greatest[MASK_BLOCKS][MASK_BLOCKS][MASK_BLOCKS];
+    /* [t][s] bit r: cells of trilinear lookups, between the middles of eight cells of alpha, that are opaque all over
+       and that are not clear all over. */
+    uint64_t whole_cells[MASK_CELLS][MASK_CELLS], some_cells[MASK_CELLS][MASK_CELLS];
 } lapped_mask;
 
 /* The three masks of a fill, for patches in the outer, middle and inner part; types 0 use the middle one alone. */
@@ -48,6 +52,8 @@ int lapped_mask_kind(double depth);
    certain. */
 typedef enum lapped_verdict { VERDICT_NONE, VERDICT_PART, VERDICT_OPAQUE } lapped_verdict;
 lapped_verdict lapped_mask_over(const lapped_mask *mask, const double low[3], const double high[3]);
+/* The same by cells instead of blocks: what the mask does a little beyond the box does not count. */
+lapped_verdict lapped_mask_closely_over(const lapped_mask *mask, const double low[3], const double high[3]);
 
 /* Trilinear alpha 0..1 at (r, s, t); 0 where r or t leave [0,1]; exactly 1 where all eight cells are opaque. Most points
    lie in a block that is all opaque or all empty: the small tables answer those, and stay in the nearest cache. */
@@ -79,7 +85,7 @@ static inline float lapped_mask_alpha(const lapped_mask *mask, float r, float s,
 /* A patch's own mask, where it was cut to fit: a bit for each cell of 32³, 1 where the patch lies. Alpha comes from the
    trilinear mix of the bits, falling over the middle half of it: a seam is half a cell wide. The cells at the border of r
    and t are 0. */
-enum { CUT_SIZE = 32 };
+enum { CUT_SIZE = PITH_LAPPED_CUT };
 typedef struct lapped_cut { uint32_t rows[CUT_SIZE][CUT_SIZE]; } lapped_cut; /* [t][s], bit r */
 
 static inline float lapped_cut_alpha(const lapped_cut *cut, float r, float s, float t)
@@ -253,8 +259,8 @@ typedef struct lapped_patch {
 } lapped_patch;
 
 /* An exemplar's values as normal variables, and the way back (lapped_gauss.c). */
-enum { GAUSS_TABLE = 128 };
-#define GAUSS_REACH 3.5             /* tables run from -GAUSS_REACH to GAUSS_REACH deviations */
+enum { GAUSS_TABLE = PITH_LAPPED_TABLE };
+#define GAUSS_REACH PITH_LAPPED_REACH /* tables run from -GAUSS_REACH to GAUSS_REACH deviations */
 typedef struct lapped_gauss {
     float mean[3], axes[3][3];      /* of the colours: principal axes as rows */
     uint32_t rows;                  /* distributions: one for each row of s, or one for all */

@@ -88,6 +88,27 @@ static void all_extremes(lapped_mask *mask)
             for (int bi = 0; bi < MASK_BLOCKS; ++bi) block_extremes(mask, bi, bj, bk);
 }
 
+/* What trilinear lookups can get between the middles of eight cells, everywhere. */
+static void all_cells(lapped_mask *mask)
+{
+    uint64_t opaque[MASK_SIZE][MASK_SIZE], clear[MASK_SIZE][MASK_SIZE];
+    for (int k = 0; k < MASK_SIZE; ++k)
+        for (int j = 0; j < MASK_SIZE; ++j) {
+            opaque[k][j] = clear[k][j] = 0;
+            for (int i = 0; i < MASK_SIZE; ++i) {
+                opaque[k][j] |= (uint64_t)(mask->alpha[k][j][i] == 255) << i;
+                clear[k][j] |= (uint64_t)(mask->alpha[k][j][i] == 0) << i;
+            }
+        }
+    for (int k = 0; k < MASK_CELLS; ++k)
+        for (int j = 0; j < MASK_CELLS; ++j) {
+            const uint64_t all = opaque[k][j] & opaque[k][j + 1] & opaque[k + 1][j] & opaque[k + 1][j + 1];
+            const uint64_t none = clear[k][j] & clear[k][j + 1] & clear[k + 1][j] & clear[k + 1][j + 1];
+            mask->whole_cells[k][j] = all & all >> 1;
+            mask->some_cells[k][j] = ~(none & none >> 1);
+        }
+}
+
 static void mask_make(lapped_mask *mask, int kind, const pith_lapped_options *options)
 {
     mask_waves waves;
@@ -101,6 +122,7 @@ static void mask_make(lapped_mask *mask, int kind, const pith_lapped_options *op
                 mask->alpha[k][j][i] = (uint8_t)(255.0 * alpha + 0.5);
             }
     all_extremes(mask);
+    all_cells(mask);
 }
 
 void lapped_masks_make(lapped_mask masks[MASK_KINDS], const pith_lapped_options *options)
@@ -121,6 +143,7 @@ void lapped_mask_plain(lapped_mask *mask, double radius, double drop_off)
                 mask->alpha[k][j][i] = cube ? 255 : (uint8_t)(255.0 * soft_edge(offset, radius, drop_off) + 0.5);
             }
     all_extremes(mask);
+    all_cells(mask);
 }
 
 lapped_verdict lapped_mask_over(const lapped_mask *mask, const double low[3], const double high[3])
@@ -142,4 +165,32 @@ lapped_verdict lapped_mask_over(const lapped_mask *mask, const double low[3], co
                 if (some && !whole) return VERDICT_PART;
             }
     return whole ? VERDICT_OPAQUE : VERDICT_NONE;
+}
+
+/* The cell of trilinear lookups that a coordinate lies in; those outside lie in the outermost. */
+static inline int cell_of(double at)
+{
+    const double x = at * MASK_SIZE - 0.5;
+    return x > 0.0 ? x < MASK_CELLS ? (int)x : MASK_CELLS - 1 : 0;
+}
+
+lapped_verdict lapped_mask_closely_over(const lapped_mask *mask, const double low[3], const double high[3])
+{
+    if (!(high[0] > 0.0 && low[0] < 1.0 && high[2] > 0.0 && low[2] < 1.0)) return VERDICT_NONE;
+    int from[3], to[3];
+    for (int axis = 0; axis < 3; ++axis) {
+        from[axis] = cell_of(low[axis]);
+        to[axis] = cell_of(high[axis]);
+    }
+    const uint64_t all = ((uint64_t)2 << to[0]) - ((uint64_t)1 << from[0]);
+    const bool inside = low[0] > 0.0 && high[0] < 1.0 && low[2] > 0.0 && high[2] < 1.0;
+    uint64_t some = 0, whole = inside ? all : 0;
+    for (int k = from[2]; k <= to[2]; ++k) {
+        for (int j = from[1]; j <= to[1]; ++j) {
+            whole &= mask->whole_cells[k][j];
+            some |= mask->some_cells[k][j];
+        }
+        if ((some & all) && whole != all) return VERDICT_PART;
+    }
+    return whole == all ? VERDICT_OPAQUE : VERDICT_NONE;
 }
