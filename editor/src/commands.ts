@@ -2,6 +2,7 @@
 
 import { Vector3 } from 'three';
 import type { App } from './app';
+import { stepLayer } from './fieldview';
 import { bodyJson, type ViewMode } from './store';
 import { askText, confirmDialog } from './ui/dialog';
 import { hidePart, showAllParts } from './parts';
@@ -88,8 +89,8 @@ export class Commands {
       from('top', 'From above', ['7'], [0, 0, 1]), from('bottom', 'From below', ['Shift+7'], [0, 0, -1]),
       { id: 'mode', label: 'Next view mode', group: 'View', keys: ['Z'],
         run: () => store.set({ mode: modes[(modes.indexOf(state.mode) + 1) % modes.length] }) },
-      { id: 'layer-up', label: 'A layer further out', group: 'View', keys: [']'], why: () => noDepth(this.app), run: () => stepLayer(this.app, -1) },
-      { id: 'layer-down', label: 'A layer further in', group: 'View', keys: ['['], why: () => noDepth(this.app), run: () => stepLayer(this.app, 1) },
+      { id: 'layer-up', label: 'A layer further out', group: 'View', keys: [']'], why: () => noDepth(this.app), run: () => store.set({ layer: stepLayer(state.layer, -0.05) }) },
+      { id: 'layer-down', label: 'A layer further in', group: 'View', keys: ['['], why: () => noDepth(this.app), run: () => store.set({ layer: stepLayer(state.layer, 0.05) }) },
       { id: 'layer-off', label: 'No layer', group: 'View', keys: ['\\'], run: () => store.set({ layer: null }) },
       { id: 'isolines', label: 'Lines of equal depth', group: 'View', keys: ['I'], run: () => store.set({ isolines: !state.isolines }) },
       { id: 'lines', label: 'Streamlines', group: 'View', keys: ['L'],
@@ -143,11 +144,6 @@ export function updateObstacle(app: App): string | null {
 
 function noDepth(app: App): string | null {
   return bodyJson(app.store.state).depth ? null : 'This body has no depth field.';
-}
-
-function stepLayer(app: App, step: number): void {
-  const { layer } = app.store.state, next = Math.round(20 * ((layer ?? (step > 0 ? -0.05 : 1.05)) + step * 0.05)) / 20;
-  app.store.set({ layer: Math.min(1, Math.max(0, next)) });
 }
 
 /** Saves; when another program wrote the file meanwhile, asks whether to write over it. */

@@ -123,7 +123,7 @@ function longestAxis(mesh: MeshFacts, triangles: number[]): { middle: Point; axi
 
 function coreOf(mesh: MeshFacts, triangles: number[]): Segment | null {
   const { middle: at, axis } = longestAxis(mesh, triangles);
-  const crossings = lineCrossings(mesh, at, axis);
+  const crossings = soundCrossings(mesh, at, axis);
   let best = 0, low = 0, high = 0;
   for (let i = 0; i + 1 < crossings.length; ++i) {
     const [a, b] = [crossings[i], crossings[i + 1]];
@@ -131,9 +131,28 @@ function coreOf(mesh: MeshFacts, triangles: number[]): Segment | null {
     if (a.depth > 0 && b.at - a.at > best) { best = b.at - a.at; low = a.at; high = b.at; }
   }
   if (!(best > 0)) return null;
-  const along = (t: number): Point => [at[0] + t * axis[0], at[1] + t * axis[1], at[2] + t * axis[2]]
-    .map((x) => Number(x.toPrecision(6))) as Point;
+  const along = (t: number): Point => at.map((x, k) => rounded(x + t * axis[k], best)) as Point;
   return [along(low + best / 5), along(high - best / 5)];
+}
+
+/* A number rounded to what matters at a length: rounding of zero is zero. */
+function rounded(x: number, length: number): number {
+  const grain = 10 ** Math.floor(Math.log10(length) - 5);
+  return Number((Math.round(x / grain) * grain).toPrecision(12)) || 0;
+}
+
+/* A line through edges or corners may miss a triangle by rounding, so one close beside the axis is taken, on which as
+   many surfaces are left as are entered. */
+function soundCrossings(mesh: MeshFacts, at: Point, axis: Point): { at: number; depth: number }[] {
+  const side = unit(cross(axis, Math.abs(axis[0]) < 0.8 ? [1, 0, 0] : [0, 1, 0])), other = cross(axis, side);
+  const [low, high] = mesh.box, step = 1e-4 * Math.hypot(...sub(high, low));
+  for (let i = 1; i <= 8; ++i) {
+    const turn = 2.399963 * i, away = step * i;   // a spiral by the golden angle: no two steps in line
+    const from = at.map((x, k) => x + away * (Math.cos(turn) * side[k] + Math.sin(turn) * other[k])) as Point;
+    const found = lineCrossings(mesh, from, axis);
+    if (found.length > 0 && found.every((hit) => hit.depth >= 0) && found[found.length - 1].depth === 0) return found;
+  }
+  return [];
 }
 
 /* Where a line crosses the mesh, in order, with the number of surfaces that are around what follows. */

@@ -17,6 +17,17 @@ export function installFieldView(app: App): void {
   });
   store.on(['layer', 'body', 'serial', 'connection'], layer);
   store.on(['lines', 'linesOf', 'layer', 'body', 'serial', 'connection'], lines);
+  viewport.element.addEventListener('wheel', (event) => {
+    if (!event.altKey || !bodyJson(store.state).depth) return;
+    event.preventDefault();
+    event.stopPropagation();
+    store.set({ layer: stepLayer(store.state.layer, 0.02 * Math.sign(event.deltaY)) });
+  }, { capture: true, passive: false });
+}
+
+/** The layer a step further in (above 0) or out; the first step shows one in the middle. */
+export function stepLayer(layer: number | null, step: number): number {
+  return layer === null ? 0.5 : Math.round(100 * Math.min(1, Math.max(0, layer + step))) / 100;
 }
 
 function bodyName(state: State): { body?: string } {

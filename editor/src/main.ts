@@ -5,7 +5,7 @@ import { Timing, type App } from './app';
 import { Connection } from './connection';
 import { Model } from './model';
 import { buildPage } from './panels/page';
-import type { DocumentEvent, Hello, JobEvent } from './protocol';
+import type { BodyState, DocumentEvent, Hello, JobEvent } from './protocol';
 import { Store } from './store';
 import { installFieldView } from './fieldview';
 import { cutTool } from './tools/cut';
@@ -46,9 +46,15 @@ const app: App = {
 function takeDocument(event: Omit<DocumentEvent, 'event'>): void {
   const { revision, document, name, undo, redo, saved, recovered, bodies } = event;
   store.set({ revision, document, name, undo, redo, saved, recovered, bodies, body: Math.min(store.state.body, Math.max(0, bodies.length - 1)) });
-  viewport.stale(new Set(bodies.flatMap((body, i) => (body.shown ? [] : [i]))));
+  takeBodies(bodies);
   const render = document.render ?? {};
   viewport.light(render.light_azimuth ?? -50, render.light_elevation ?? 48);
+}
+
+/* What is built of the bodies; those that show another solid than the document's are drawn paler. */
+function takeBodies(bodies: BodyState[]): void {
+  store.set({ bodies });
+  viewport.stale(new Set(bodies.flatMap((body, i) => (body.shown ? [] : [i]))));
 }
 
 function takeJob(event: JobEvent): void {
@@ -71,7 +77,9 @@ connection.onState = (state) => {
 connection.onEvent = (event) => {
   if (event.event === 'document') takeDocument(event);
   else if (event.event === 'job') takeJob(event);
+  else if (event.event === 'bodies') takeBodies(event.bodies);
   else if (event.event === 'automatic') store.set({ automatic: event.on });
+  else if (event.event === 'note') actions.complain(event.message);
 };
 connection.onPacket = (packet) => {
   if (packet.kind === 'view') app.timing.view(packet.bytes, packet.head.seconds ?? {});

@@ -52,7 +52,9 @@ export interface JobEvent {
   notes?: string;
 }
 
-export type ServerEvent = DocumentEvent | JobEvent | { event: 'automatic'; on: boolean };
+export type ServerEvent =
+  DocumentEvent | JobEvent | { event: 'automatic'; on: boolean } | { event: 'note'; message: string } |
+  { event: 'bodies'; revision: number; bodies: BodyState[] };
 
 export type TypedArray = Float32Array | Uint32Array | Int16Array | Uint16Array | Int8Array | Uint8Array;
 type ArrayPlace = [offset: number, type: 'f32' | 'u32' | 'i16' | 'u16' | 'i8' | 'u8', count: number];

@@ -20,7 +20,7 @@ export const typeTable: readonly TypeFacts[] = [
     examples: 'Flattened fibres, brickwork' },
   { type: '1-A', name: 'Layers', follows: 'depth', exemplar: 'watermelon',
     about: 'Changes from the skin to the core, and looks alike all around.', examples: 'Watermelon, cake, rock' },
-  { type: '1-B', name: 'Grain', follows: 'depth and directions', exemplar: 'kiwi',
+  { type: '1-B', name: 'Layers with a grain', follows: 'depth and directions', exemplar: 'kiwi',
     about: 'Changes from the skin to the core, and sections along and across the strokes differ.',
     examples: 'Kiwi, carrot, tree' },
 ];

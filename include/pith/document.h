@@ -256,7 +256,7 @@ typedef struct pith_look_view {
     const pith_vec3 *secondary; /* NULL without direction */
     double lowest, highest;     /* of depth; an empty range without it */
     pith_box box;
-    uint32_t singular;          /* tets where the frames are; PITH_NONE without depth */
+    uint32_t singular;          /* tets in which frames turn by more than the angle; PITH_NONE without depth */
 } pith_look_view;
 
 /** Builds what it needs of the body, a model of one body, which must outlive the look and not be asked by another

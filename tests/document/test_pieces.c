@@ -1,5 +1,7 @@
 /* The pieces of a model: they need no solids, are what pictures are made of, are named by points inside them, and come
    out the same whether the model was built alone or goes on from another. */
+#include <pthread.h>
+
 #include "document_samples.h"
 #include "model_internal.h"
 
@@ -253,6 +255,46 @@ static void test_threads_change_nothing(void **state)
     close_model(&one);
 }
 
+typedef struct job { opened at; bool close; pith_status status; pith_error error; } job;
+
+static void *cut_on(void *user)
+{
+    job *of = user;
+    const pith_model_piece *pieces;
+    size_t count;
+    of->status = pith_model_pieces(of->at.model, false, &pieces, &count, &of->error);
+    if (of->close) {
+        pith_model_destroy(of->at.model);
+        pith_document_destroy(of->at.document);
+    }
+    return NULL;
+}
+
+/* Two models go on from a third, which lets go of everything, all at the same time. */
+static void test_models_go_on_in_threads_of_their_own(void **state)
+{
+    (void)state;
+    static const size_t which[] = { 3, 4, 8 };
+    static job jobs[3];
+    pthread_t threads[3];
+    const pith_model_piece *pieces;
+    for (int i = 0; i < 3; ++i) jobs[i].at = open_step(which[i]);
+    pieces_of(&jobs[0].at, false, &pieces);
+    jobs[0].close = true;
+    for (int i = 1; i < 3; ++i) pith_model_share(jobs[i].at.model, jobs[0].at.model);
+    for (int i = 0; i < 3; ++i) assert_int_equal(pthread_create(&threads[i], NULL, cut_on, &jobs[i]), 0);
+    for (int i = 0; i < 3; ++i) {
+        pthread_join(threads[i], NULL);
+        if (jobs[i].status != PITH_OK) fail_msg("%s", jobs[i].error.message);
+    }
+    for (int i = 1; i < 3; ++i) {
+        opened fresh = open_step(which[i]);
+        check_same(&jobs[i].at, &fresh, false);
+        close_model(&jobs[i].at);
+        close_model(&fresh);
+    }
+}
+
 static void test_no_memory(void **state)
 {
     (void)state;
@@ -285,6 +327,7 @@ int main(void)
         cmocka_unit_test(test_models_go_on_from_one_another),
         cmocka_unit_test(test_levels_are_kept_by_those_who_need_them),
         cmocka_unit_test(test_threads_change_nothing),
+        cmocka_unit_test(test_models_go_on_in_threads_of_their_own),
         cmocka_unit_test(test_no_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -9,7 +9,7 @@ import { button, rove } from '../ui/controls';
 import { fill, h, set } from '../ui/dom';
 import { openDialog } from '../ui/dialog';
 import { icon } from '../ui/icons';
-import { exemplarName } from '../panels/exemplars';
+import { exemplarName, typePicture } from '../panels/exemplars';
 
 interface Shipped { path: string; name: string; shipped: boolean }
 
@@ -77,10 +77,8 @@ function swapChoice(suited: string, name: string, on: boolean, choose: (on: bool
 
 function card(app: App, type: string, choose: () => void): HTMLButtonElement {
   const facts = typeFacts(type)!, needs = app.store.state.types[type], present = presentIn(bodyJson(app.store.state));
-  const picture = h('span', { class: 'type-picture', 'data-type': type }, h('span', { class: 'type-letter', 'aria-hidden': 'true' }, type));
-  const image = h('img', { src: `types/${type}.jpg`, alt: '', onload: () => picture.append(image) });
   return h('button', { type: 'button', role: 'radio', class: 'type-option', onclick: choose },
-    picture, h('span', { class: 'type-name' }, h('strong', null, type), facts.name), h('span', { class: 'type-about' }, facts.about),
+    typePicture(type, 'type-picture'), h('span', { class: 'type-name' }, facts.name), h('span', { class: 'type-about' }, facts.about),
     h('span', { class: 'type-examples' }, facts.examples),
     h('span', { class: 'needs' }, needKeys(needs).map((need) => h('span', { class: present[need] ? 'need there' : 'need' },
       icon(present[need] ? 'check' : 'plus', 12), needWords[need]))));

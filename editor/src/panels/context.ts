@@ -3,6 +3,7 @@
 import type { App } from '../app';
 import type { Commands } from '../commands';
 import type { Pictures } from '../pictures';
+import type { ToolName } from '../store';
 import { button, iconButton, type ButtonLook } from '../ui/controls';
 import { set } from '../ui/dom';
 import { icon, type IconName } from '../ui/icons';
@@ -18,7 +19,7 @@ export interface Context {
 }
 
 /** A button that does a command: its label, shortcut and, while it cannot be done, the reason are the command's. */
-export function commandButton(context: Context, id: string, look: ButtonLook & { only?: 'icon' | 'text' } = {}): HTMLButtonElement {
+export function commandButton(context: Context, id: string, look: ButtonLook & { only?: 'icon' } = {}): HTMLButtonElement {
   const command = context.commands.get(id), run = (): void => context.commands.run(id);
   const made = look.only === 'icon'
     ? iconButton(look.icon ?? 'check', command.label, run, { keys: command.keys[0], key: id, ...look })
@@ -31,6 +32,11 @@ export function refreshCommand(context: Context, made: HTMLButtonElement, id: st
   const command = context.commands.get(id), why = command.why?.() ?? null;
   set(made, 'aria-disabled', why !== null);
   made.dataset.tip = why ?? tip ?? command.label;
+}
+
+/** The letter of a tool, as shortcuts are shown. */
+export function keyOf(context: Context, name: ToolName): string | undefined {
+  return context.app.toolbox.get(name)?.key.toUpperCase();
 }
 
 /** Changes the icon of a button. */

@@ -8,7 +8,7 @@ import { h, live } from '../ui/dom';
 import { empty, list, listRow, section, setNote } from '../ui/layout';
 import { many } from '../ui/numbers';
 import { slider } from '../ui/slider';
-import type { Context } from './context';
+import { commandButton, keyOf, type Context } from './context';
 import { pointWords } from './fields';
 import { optionRows } from './options';
 
@@ -23,8 +23,8 @@ function cutsSection(context: Context): HTMLElement {
     ({ cuts, chosen }) => {
       setNote(part, cuts.length ? String(cuts.length) : null);
       const add = h('div', { class: 'actions' },
-        button('Draw a cut', () => store.set({ tool: 'cut' }), { icon: 'cut', keys: 'C', key: 'add-cut' }),
-        button('Plane', () => store.set({ tool: 'plane' }), { icon: 'plane', keys: 'X', key: 'add-plane' }));
+        button('Draw a cut', () => store.set({ tool: 'cut' }), { icon: 'cut', keys: keyOf(context, 'cut'), key: 'add-cut' }),
+        button('Plane', () => store.set({ tool: 'plane' }), { icon: 'plane', keys: keyOf(context, 'plane'), key: 'add-plane' }));
       if (cuts.length === 0) return [empty('Nothing is cut. Draw a line across the model to see its inside.'), add];
       return [list('Cuts, in order', cuts.map((cut, i) => cutRow(context, cut, i, i === chosen))), add];
     });
@@ -48,7 +48,7 @@ function cutRow(context: Context, cut: Json, index: number, chosen: boolean): HT
         { value: 'negative', label: cut.plane ? 'The other side stays' : 'What lies left of the stroke stays', icon: 'lower' },
         { value: 'both', label: 'Both sides stay', icon: 'both' },
       ], keep, (value) => void setValue(app, 'Keep other side', `${path}.keep`, value), { key: `${path}.keep`, icons: 'only' }).element,
-      iconButton('trash', 'Remove cut', remove, { look: 'plain', keys: chosen ? 'Delete' : undefined, key: `${path}-` }),
+      iconButton('trash', 'Remove cut', remove, { look: 'plain', keys: chosen ? context.commands.get('delete').keys[0] : undefined, key: `${path}-` }),
     ],
     more: chosen && cutMore(context, cut, path, keep),
   });
@@ -82,9 +82,9 @@ function partsSection(context: Context): HTMLElement {
       icon: 'solid', text: names[i], chosen: picked === i, key: `part ${i}`, detail: each.hidden ? 'hidden' : undefined,
       choose: () => store.set({ part: picked === i ? null : i, body: each.body }),
       actions: iconButton(each.hidden ? 'hidden' : 'eye', each.hidden ? `Show ${names[i]}` : `Hide ${names[i]}`,
-        () => void hidePart(app, i, !each.hidden), { look: 'plain', key: `eye ${i}`, keys: picked === i ? 'H' : undefined }),
+        () => void hidePart(app, i, !each.hidden), { look: 'plain', key: `eye ${i}`, keys: picked === i ? context.commands.get('hide').keys[0] : undefined }),
     }))), (hidden > 0 || moved) && h('div', { class: 'actions' },
-      hidden > 0 && button('Show all', () => context.commands.run('show-all'), { icon: 'eye', keys: 'Alt+H', key: 'show-all' }),
+      hidden > 0 && commandButton(context, 'show-all', { icon: 'eye' }),
       moved && button('Bring together', () => void bringTogether(app), { icon: 'together', key: 'together', tip: 'Parts moved by hand go back to where the cuts left them' }))];
   });
   return part.element;

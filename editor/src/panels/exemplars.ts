@@ -3,6 +3,7 @@
 import type { App } from '../app';
 import type { Json } from '../protocol';
 import type { Voxels } from '../model';
+import { h } from '../ui/dom';
 
 /** What an exemplar is called: its file's name, or that its recipe stands in the document. */
 export function exemplarName(exemplar: Json | undefined): string {
@@ -22,6 +23,13 @@ export function exemplarsOf(document: Json): Json[] {
     }
   }
   return [...found.values()];
+}
+
+/** What a texture type looks like: a photograph, over a pattern where there is none; the type's word is on it. */
+export function typePicture(type: string, look: string): HTMLElement {
+  const made = h('span', { class: look, 'data-type': type }, h('span', { class: 'type-word' }, type));
+  const image = h('img', { src: `types/${type}.jpg`, alt: '', onload: () => made.prepend(image) });
+  return made;
 }
 
 /** Keeps a canvas showing an exemplar as a cube, three of its faces seen; asks the server when `keys` change. */

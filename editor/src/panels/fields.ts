@@ -10,7 +10,7 @@ import { badge, empty, list, listRow, section, setNote, type Section } from '../
 import { many, write } from '../ui/numbers';
 import { numberField } from '../ui/slider';
 import { paletteCss } from '../view/looks';
-import type { Context } from './context';
+import { keyOf, type Context } from './context';
 import { optionRows } from './options';
 import { layerSlider } from './tooloptions';
 
@@ -60,7 +60,7 @@ function depthSection(context: Context): HTMLElement {
     options.hidden = constraints.length === 0;
     if (constraints.length === 0) {
       return empty(follows ? 'No depth is known yet. Paint the outside with 0 and draw the core with 1.' : 'No depth is known.',
-        button('Paint depth', () => store.set({ tool: 'fill', paint: 0 }), { icon: 'fill', keys: 'G' }));
+        button('Paint depth', () => store.set({ tool: 'fill', paint: 0 }), { icon: 'fill', keys: keyOf(context, 'fill') }));
     }
     return list('Where depth is known', constraints.map((constraint, i) => constraintRow(context, constraint, `${place}depth.constraints[${i}]`, i)));
   });
@@ -128,7 +128,7 @@ function directionSection(context: Context): HTMLElement {
     options.hidden = strokes.length === 0;
     if (strokes.length === 0) {
       return empty('Draw strokes along the fibres, on layers of depth or on sections.',
-        button('Draw directions', () => store.set({ tool: 'direction' }), { icon: 'direction', keys: 'D' }));
+        button('Draw directions', () => store.set({ tool: 'direction' }), { icon: 'direction', keys: keyOf(context, 'direction') }));
     }
     return [strokeRows(context, 'Direction strokes', '', strokes, 'direction'),
             clearButton(() => operate(app, 'Clear directions', { op: 'direction.clear' }), 'Clear all strokes')];
@@ -153,7 +153,7 @@ function vectorsSection(context: Context): HTMLElement {
     options.hidden = surface.length + inside.length === 0;
     if (options.hidden) {
       return empty('Draw strokes along the fibres: on the skin, or on sections for the inside.',
-        button('Draw vectors', () => store.set({ tool: 'direction' }), { icon: 'direction', keys: 'D' }));
+        button('Draw vectors', () => store.set({ tool: 'direction' }), { icon: 'direction', keys: keyOf(context, 'direction') }));
     }
     return [surface.length > 0 && strokeRows(context, 'Strokes on the skin', 'skin, ', surface, 'vectors.surface'),
             inside.length > 0 && strokeRows(context, 'Strokes inside', 'inside, ', inside, 'vectors.inside'),
@@ -176,7 +176,7 @@ function scaleSection(context: Context): HTMLElement {
     options.hidden = points.length < 2;
     if (points.length === 0) {
       return empty('How large the exemplar is on the model is not said yet.',
-        button('Place it', () => store.set({ tool: 'scale' }), { icon: 'scale', keys: 'S' }));
+        button('Place it', () => store.set({ tool: 'scale' }), { icon: 'scale', keys: keyOf(context, 'scale') }));
     }
     const diagonal = app.model.diagonal(), spec = { min: 1e-9, max: 1e9, soft: [diagonal / 200, diagonal] as [number, number] };
     return [list('Sizes', points.map((point, i) => {

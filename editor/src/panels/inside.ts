@@ -8,8 +8,8 @@ import { button, choice, iconButton, row } from '../ui/controls';
 import { h, live, set, type Child } from '../ui/dom';
 import { badge, empty, list, listRow, section, setNote } from '../ui/layout';
 import { numberField } from '../ui/slider';
-import type { Context } from './context';
-import { Cube, exemplarName } from './exemplars';
+import { commandButton, keyOf, type Context } from './context';
+import { Cube, exemplarName, typePicture } from './exemplars';
 import { optionRows } from './options';
 
 /** The sections of the tab, in order. */
@@ -62,7 +62,7 @@ function textureSection(context: Context): HTMLElement {
   }, (what) => {
     if (what.names.length === 0) {
       return empty('This body is made of nothing yet. Choose a texture type, and it gets an inside.',
-        button('Choose texture type…', () => context.chooseType(), { look: 'main', keys: 'Y' }));
+        commandButton(context, 'type', { look: 'main' }));
     }
     return [what.names.length > 1 && row('Made of', choice('Made of', what.names.map((value) => ({ value, label: value })), what.name,
       (name) => void operate(app, `Make it of ${name}`, { op: 'solid.choose', name }), { key: 'solid' }).element),
@@ -83,9 +83,9 @@ function textureSection(context: Context): HTMLElement {
 
 function typeCard(context: Context, type: string): Child {
   const facts = typeFacts(type);
-  return h('button', { type: 'button', class: 'type-card', 'data-key': 'type', 'data-tip': 'Choose the texture type', 'data-tip-keys': 'Y',
+  return h('button', { type: 'button', class: 'type-card', 'data-key': 'type', 'data-tip': 'Choose the texture type', 'data-tip-keys': context.commands.get('type').keys[0],
     onclick: () => context.chooseType() },
-  h('span', { class: 'type-mark', 'data-type': type }, type),
+  typePicture(type, 'type-mark'),
   h('span', { class: 'list-text' }, h('span', { class: 'list-title' }, facts?.name ?? type),
     h('span', { class: 'list-detail' }, facts ? `Follows ${facts.follows}` : '')), h('span', { class: 'type-change' }, 'Change…'));
 }
@@ -134,7 +134,7 @@ function pastesSection(context: Context): HTMLElement {
     setNote(part, pastes.length ? String(pastes.length) : null);
     if (pastes.length === 0) {
       return empty('Nothing is pasted on top. Set single things where you want them: cherries on a cake.',
-        button('Paste with the tool', () => store.set({ tool: 'paste' }), { icon: 'paste', keys: 'A' }));
+        button('Paste with the tool', () => store.set({ tool: 'paste' }), { icon: 'paste', keys: keyOf(context, 'paste') }));
     }
     const diagonal = app.model.diagonal();
     return list('Pastes, the last on top', pastes.map((paste, i) => listRow({

@@ -89,11 +89,11 @@ function middle(context: Context): HTMLElement {
   }, (what) => {
     if (what === 'connecting') return h('p', { class: 'stage-card' }, 'Opening the document…');
     if (what === 'no solid') {
-      return h('div', { class: 'stage-card' }, h('p', null, 'This body has no inside yet.'), button('Choose texture type…', () => context.chooseType(), { look: 'main', keys: 'Y' }));
+      return h('div', { class: 'stage-card' }, h('p', null, 'This body has no inside yet.'), commandButton(context, 'type', { look: 'main' }));
     }
     if (what === 'why') {
       return h('div', { class: 'stage-card' }, h('p', null, app.store.state.bodies[app.store.state.body].why),
-        button('Add a start for it', () => void addStart(context), { look: 'main' }), button('Texture type…', () => context.chooseType()));
+        button('Add a start for it', () => void addStart(context), { look: 'main' }), commandButton(context, 'type'));
     }
     if (what === 'not built') return h('div', { class: 'stage-card' }, h('p', null, 'Nothing is built yet.'), commandButton(context, 'update', { icon: 'update', look: 'main' }));
     return null;

@@ -7,7 +7,7 @@ import { fill, h, set, type Child } from '../ui/dom';
 import { slider } from '../ui/slider';
 import { write } from '../ui/numbers';
 import { paletteCss } from '../view/looks';
-import type { Context } from './context';
+import { commandButton, type Context } from './context';
 import { exemplarName, exemplarsOf } from './exemplars';
 
 /** Builds the bar; it is gone while the tool has nothing to be told. */
@@ -42,10 +42,9 @@ function labelled(label: string, control: HTMLElement, narrow = false): HTMLElem
   return h('div', { class: narrow ? 'option narrow' : 'option' }, h('span', { class: 'option-label', 'aria-hidden': 'true' }, label), control);
 }
 
-function partOptions({ app, commands }: Context): Child[] {
-  if (app.store.state.part === null) return [];
-  return [button('Hide part', () => commands.run('hide'), { icon: 'hidden', keys: 'H', tip: 'Hide the picked part' }),
-          button('Show all', () => commands.run('show-all'), { icon: 'eye', keys: 'Alt+H', tip: 'Show all parts' })];
+function partOptions(context: Context): Child[] {
+  if (context.app.store.state.part === null) return [];
+  return [commandButton(context, 'hide', { icon: 'hidden' }), commandButton(context, 'show-all', { icon: 'eye' })];
 }
 
 function cutOptions({ app }: Context): Child[] {

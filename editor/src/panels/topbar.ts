@@ -41,7 +41,7 @@ function documentMenu(context: Context): HTMLElement {
 
 function savedState(context: Context): HTMLElement {
   const { store } = context.app, text = h('span', { class: 'saved-text' });
-  const made = button(text, () => context.commands.run('save'), { look: 'plain', class: 'saved', keys: 'Ctrl+S' });
+  const made = button(text, () => context.commands.run('save'), { look: 'plain', class: 'saved', keys: context.commands.get('save').keys[0] });
   made.prepend(h('span', { class: 'dot', 'aria-hidden': 'true' }));
   const refresh = (): void => {
     const { saved, recovered, connection } = store.state;
@@ -71,12 +71,12 @@ function history(context: Context): HTMLElement {
 }
 
 function modes(context: Context): HTMLElement {
-  const { store } = context.app;
+  const { store } = context.app, [keys] = context.commands.get('mode').keys;
   const control = segmented<ViewMode>('View', [
-    { value: 'solid', label: 'Solid', icon: 'solid', tip: 'The model with its inside', keys: 'Z' },
-    { value: 'depth', label: 'Depth', icon: 'drop', tip: 'Depth: red outside, blue at the core', keys: 'Z' },
-    { value: 'shape', label: 'Shape', icon: 'shape', tip: 'The bare shape', keys: 'Z' },
-    { value: 'volume', label: 'Volume', icon: 'cloud', tip: 'Seen through', keys: 'Z' },
+    { value: 'solid', label: 'Solid', icon: 'solid', tip: 'The model with its inside', keys },
+    { value: 'depth', label: 'Depth', icon: 'drop', tip: 'Depth: red outside, blue at the core', keys },
+    { value: 'shape', label: 'Shape', icon: 'shape', tip: 'The bare shape', keys },
+    { value: 'volume', label: 'Volume', icon: 'cloud', tip: 'Seen through', keys },
   ], store.state.mode, (mode) => store.set({ mode }), { key: 'mode' });
   store.on(['mode'], () => control.set(store.state.mode));
   control.element.classList.add('modes');
@@ -86,7 +86,7 @@ function modes(context: Context): HTMLElement {
 /* What is being made, how far it is, and the way to stop it. */
 function working(context: Context): HTMLElement {
   const { store } = context.app, bar = progress('Progress'), text = h('span', { class: 'job-text' });
-  const stop = iconButton('close', 'Stop', () => context.commands.run('cancel'), { look: 'plain' });
+  const stop = iconButton('close', 'Cancel', () => context.commands.run('cancel'), { look: 'plain' });
   const made = h('div', { class: 'job', role: 'status' }, h('div', { class: 'job-words' }, text, bar.element), stop);
   const refresh = (): void => {
     const job = store.state.jobs.find((each) => each.state === 'running') ?? store.state.jobs.find((each) => each.state === 'waiting');

@@ -48,7 +48,6 @@ function strokeTool(app: App, facts: Pick<Tool, 'name' | 'label' | 'key' | 'icon
       if (!drawn || drawn.points.length < 2 || drawn.flat.length < 8) return;
       how.finish(simplify(drawn.points, 0.002 * viewport.diagonal, spaceDistance).map(toPoint), drawn.hit);
     },
-    wheel: (_, delta) => browseLayers(app, delta),
     cancel() {
       drawing = null;
       show();
@@ -56,19 +55,11 @@ function strokeTool(app: App, facts: Pick<Tool, 'name' | 'label' | 'key' | 'icon
   };
 }
 
-/* The wheel goes through the layers while one is looked at (thesis §4.4.1). */
-function browseLayers({ store }: App, delta: number): boolean {
-  const { layer } = store.state;
-  if (layer === null) return false;
-  store.set({ layer: Math.round(100 * Math.min(1, Math.max(0, layer + 0.02 * Math.sign(delta)))) / 100 });
-  return true;
-}
-
 /** Draws strokes of the chosen depth. */
 export function depthTool(app: App): Tool {
   const { store, actions } = app;
   return strokeTool(app, {
-    name: 'depth', label: 'Depth stroke', key: 'b', icon: 'depth',
+    name: 'depth', label: 'Depth stroke', key: 'd', icon: 'depth',
     hint: 'Draw a stroke of the chosen depth on the skin, a section or a layer; 1 marks the core.',
   }, {
     colour: () => paletteCss(store.state.paint), sameKind: false, begin: () => true,
@@ -83,8 +74,8 @@ export function depthTool(app: App): Tool {
 export function directionTool(app: App): Tool {
   const { store, actions, messages } = app;
   return strokeTool(app, {
-    name: 'direction', label: 'Direction', key: 'd', icon: 'direction',
-    hint: 'Draw along the fibres: on the skin, on sections, or on layers; the wheel goes through the layers while one is shown.',
+    name: 'direction', label: 'Direction', key: 'g', icon: 'direction',
+    hint: 'Draw along the fibres: on the skin, on sections, or on layers; Alt and the wheel go through the layers.',
   }, {
     colour: () => '#ffffff', arrow: true, sameKind: true,
     begin(hit) {
@@ -133,7 +124,6 @@ export function pointsTool(app: App): Tool {
       const operation: Json = { op: 'depth.points', ...bodyKey(store.state, hit.body), points: [toPoint(hit.point)], depth: paint };
       void actions.apply(`Depth point ${paint}`, [operation]);
     },
-    wheel: (_, delta) => browseLayers(app, delta),
     cancel() {
       pressed = null;
       show(null);

@@ -57,7 +57,7 @@ export function fillTool(app: App): Tool {
   }
 
   return {
-    name: 'fill', label: 'Fill faces', key: 'g', icon: 'fill',
+    name: 'fill', label: 'Fill faces', key: 'p', icon: 'fill',
     hint: 'Click a face: it is painted, and what is reached from it over faces of its depth without crossing a crease.',
     enter: looks.enter,
     leave: looks.leave,
@@ -94,7 +94,7 @@ export function faceTool(app: App): Tool {
   }
 
   return {
-    name: 'face', label: 'Paint faces', key: 't', icon: 'face',
+    name: 'face', label: 'Paint faces', key: 'b', icon: 'face',
     hint: 'Click a triangle to paint it, or drag over several.',
     enter: looks.enter,
     leave: looks.leave,

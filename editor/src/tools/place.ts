@@ -153,7 +153,7 @@ export function pasteTool(app: App): Tool {
   const chosen = (): Json | null => store.state.pasting ?? (solidOf(store.state)?.json.exemplar as Json | undefined) ?? null;
   const hand = new Hand(app, chosen, 0.48, 0.075);
   return placeTool(app, {
-    name: 'paste', label: 'Paste', key: 'a', icon: 'paste', shift: true,
+    name: 'paste', label: 'Paste', key: 't', icon: 'paste', shift: true,
     hint: 'Click to put the exemplar on the model, drag to move, Shift+drag to turn, wheel for its size; a double click pastes it.',
   }, hand, (hit, ghost) => {
     void actions.apply('Paste', [{

@@ -21,7 +21,7 @@ export function write(value: number): string {
 
 /** The number that a text means, held within the limits; null when it means none. */
 export function read(text: string, spec: NumberSpec): number | null {
-  const plain = text.trim().replace(',', '.').replace(/[°%]|\s*[a-zµ]+$/i, '');
+  const plain = text.trim().replace(',', '.').replace(/\s*(°|px|EV|s|MiB)$/, '');
   const value = plain === '' ? NaN : Number(plain);
   return Number.isFinite(value) ? within(value, spec) : null;
 }

@@ -19,7 +19,7 @@ uniform vec4 clip;              // clip plane in material coordinates; zero norm
 uniform vec3 accent;
 #ifdef GHOST
 uniform mat4 ghostMatrix;       // material coordinates to texture coordinates
-uniform sampler3D ghost;
+uniform highp sampler3D ghost;
 uniform vec2 ghostMask;         // radius, drop-off
 #endif
 #ifdef GRID
