@@ -65,7 +65,7 @@ function takeJob(event: JobEvent): void {
 async function hello(): Promise<void> {
   const answer = await connection.ask<Hello>('hello');
   const { version, path, file, socket, automatic, schema, types, templates } = answer;
-  viewport.statedCamera = answer.document.camera;
+  viewport.stateCamera(answer.document.camera);
   store.set({ connection: 'open', version, path, file, socket, automatic, schema, types, templates });
   takeDocument(answer);
 }

@@ -48,6 +48,10 @@ export function buildPage(app: App): void {
   document.getElementById('app')!.append(h('div', { class: 'page' }, topbar(context),
     h('div', { class: 'work' }, toolstrip(context), middle.element, inspector(context)), statusbar(context)));
   installTooltips();
+  // The view shows that it has the focus to those who come by keyboard; a click on it needs no telling.
+  const input = (how: string) => (): void => { document.documentElement.dataset.input = how; };
+  document.addEventListener('pointerdown', input('pointer'), true);
+  document.addEventListener('keydown', input('keys'), true);
   installKeyboard(app, commands);
 }
 
