@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pith/document.h"
+#include "pack_internal.h"
 #include "request.h"
 
 typedef struct errand {
@@ -26,8 +26,6 @@ struct errands {
 };
 
 /* ---- one exemplar -------------------------------------------------------------------------------------------------- */
-
-static unsigned char to_byte(float value) { return (unsigned char)(fminf(fmaxf(value, 0.0f), 1.0f) * 255.0f + 0.5f); }
 
 /* Recipes repeat along r and t, and along s when they are made so; of other exemplars nobody says. */
 static json_t *wraps(const errands *own, const json_t *exemplar)
@@ -54,12 +52,8 @@ static pith_status pack(const errands *own, const pith_grid *grid, const json_t 
     json_object_set_new(text, "size", json_pack("[iii]", (int)grid->size[0], (int)grid->size[1], (int)grid->size[2]));
     json_object_set_new(text, "channels", json_integer(grid->channels));
     json_object_set_new(text, "wraps", wraps(own, exemplar));
-    unsigned char *voxels = packet_room(maker, "voxels", PACKET_U8, 4 * count);
-    for (size_t i = 0; voxels && i < count; ++i) {
-        const float *value = grid->values + i * grid->channels;
-        for (size_t c = 0; c < 3; ++c) voxels[4 * i + c] = to_byte(pith_srgb_encode(value[c]));
-        voxels[4 * i + 3] = grid->channels > 3 ? to_byte(value[3]) : 255;
-    }
+    uint8_t (*voxels)[4] = packet_room(maker, "voxels", PACKET_U8, 4 * count);
+    if (voxels) pack_colours(grid->values, count, grid->channels, voxels);
     return packet_finish(maker, made, err);
 }
 

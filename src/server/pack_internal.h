@@ -13,7 +13,9 @@
 void pack_stamped(packet_maker *maker, const pack_stamp *stamp);
 json_t *pack_point(pith_vec3 point);
 json_t *pack_box(const pith_box *box);
-/* Linear RGB and opacity as bytes, sRGB; cells of `channels` values, at least 4. */
+/* An array f32 [count][3] of points. */
+void pack_points(packet_maker *maker, const char *name, const pith_vec3 *points, size_t count);
+/* Linear RGB and opacity as bytes, sRGB; cells of `channels` values, at least 3, and opaque when there are no more. */
 void pack_colours(const float *values, size_t count, uint32_t channels, uint8_t (*bytes)[4]);
 
 /* One shell of a view. */

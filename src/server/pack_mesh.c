@@ -24,7 +24,17 @@ void pack_colours(const float *values, size_t count, uint32_t channels, uint8_t 
     for (size_t i = 0; i < count; ++i) {
         const float *v = values + i * channels;
         for (int c = 0; c < 3; ++c) bytes[i][c] = (uint8_t)(pith_srgb_encode(v[c]) * 255.0f + 0.5f);
-        bytes[i][3] = (uint8_t)(fminf(fmaxf(v[3], 0.0f), 1.0f) * 255.0f + 0.5f);
+        bytes[i][3] = channels > 3 ? (uint8_t)(fminf(fmaxf(v[3], 0.0f), 1.0f) * 255.0f + 0.5f) : 255;
+    }
+}
+
+void pack_points(packet_maker *maker, const char *name, const pith_vec3 *points, size_t count)
+{
+    float (*to)[3] = packet_room(maker, name, PACKET_F32, 3 * count);
+    for (size_t i = 0; to && i < count; ++i) {
+        to[i][0] = (float)points[i].x;
+        to[i][1] = (float)points[i].y;
+        to[i][2] = (float)points[i].z;
     }
 }
 
@@ -37,17 +47,6 @@ static json_t *report_json(const pith_mesh_report *report)
     return json_pack("{si si si si sf sf ss}", "vertices", (int)report->vertices, "triangles", (int)report->triangles,
                      "components", (int)report->components, "boundary_edges", (int)report->boundary_edges, "area",
                      report->area, "volume", report->closed ? report->volume : 0.0, "complaint", complaint);
-}
-
-static void put_geometry(packet_maker *maker, const pith_mesh_view *view)
-{
-    float *positions = packet_room(maker, "positions", PACKET_F32, (size_t)view->vertex_count * 3);
-    for (uint32_t v = 0; positions && v < view->vertex_count; ++v) {
-        positions[3 * v] = (float)view->positions[v].x;
-        positions[3 * v + 1] = (float)view->positions[v].y;
-        positions[3 * v + 2] = (float)view->positions[v].z;
-    }
-    packet_borrow(maker, "triangles", PACKET_U32, view->triangles, (size_t)view->triangle_count * 3);
 }
 
 pith_status pack_mesh(pith_model *body, size_t index, const char *name, bool paint_only, const pack_stamp *stamp,
@@ -68,7 +67,10 @@ pith_status pack_mesh(pith_model *body, size_t index, const char *name, bool pai
     json_object_set_new(text, "closed", json_boolean(report->closed));
     json_object_set_new(text, "report", report_json(report));
     json_object_set_new(text, "box", pack_box(&report->box));
-    if (!paint_only) put_geometry(maker, &view);
+    if (!paint_only) {
+        pack_points(maker, "positions", view.positions, view.vertex_count);
+        packet_borrow(maker, "triangles", PACKET_U32, view.triangles, (size_t)view.triangle_count * 3);
+    }
     packet_borrow(maker, "painted", PACKET_F32, painted, count);
     return packet_finish(maker, made, err);
 }

@@ -52,6 +52,21 @@ static void tell_document(editor *own, uint32_t by)
     outbox_put(own->out, OUTBOX_ALL, made);
 }
 
+/* The shipped documents, as pith new calls them. */
+static json_t *templates(const editor *own)
+{
+    const file_places places = editor_places(own);
+    json_t *files = files_list(&places, "document"), *names = json_array(), *file;
+    size_t i;
+    json_array_foreach(files, i, file) {
+        const char *name = json_string_value(json_object_get(file, "name"));
+        if (json_is_true(json_object_get(file, "shipped")))
+            json_array_append_new(names, json_stringn(name, strlen(name) - strlen(".pith")));
+    }
+    json_decref(files);
+    return names;
+}
+
 /* The schema is the same for every page. */
 static pith_status make_schema(editor *own, pith_error *err)
 {
@@ -74,6 +89,7 @@ pith_status do_hello(editor *own, request *asked, pith_error *err)
     json_object_set_new(to, "socket", json_integer(asked->socket));
     json_object_set_new(to, "schema", json_incref(own->schema));
     json_object_set_new(to, "types", types());
+    json_object_set_new(to, "templates", templates(own));
     describe(own, to);
     viewer_hello(own->view, asked->socket);
     return PITH_OK;

@@ -2,7 +2,7 @@
 #include <string.h>
 
 #include "bodies.h"
-#include "pack.h"
+#include "pack_internal.h"
 #include "request.h"
 #include "viewer_internal.h"
 
@@ -90,16 +90,6 @@ static pith_status find_look(viewer *own, size_t body, const pith_look_options *
 
 /* ---- layers -------------------------------------------------------------------------------------------------------- */
 
-static void put_points(packet_maker *maker, const char *name, const pith_vec3 *points, size_t count)
-{
-    float *to = packet_room(maker, name, PACKET_F32, 3 * count);
-    for (size_t i = 0; to && i < count; ++i) {
-        to[3 * i] = (float)points[i].x;
-        to[3 * i + 1] = (float)points[i].y;
-        to[3 * i + 2] = (float)points[i].z;
-    }
-}
-
 static packet_maker *begin(const char *kind, const question *at, size_t body)
 {
     packet_maker *maker = packet_begin(kind);
@@ -121,8 +111,8 @@ static pith_status answer_layer(viewer *own, const question *at, size_t body, pa
     packet_maker *maker = begin("layer", at, body);
     json_object_set_new(packet_text(maker), "range", json_pack("[ff]", seen.lowest, seen.highest));
     json_object_set(packet_text(maker), "depth", json_object_get(at->asked, "depth"));
-    put_points(maker, "positions", view.positions, view.vertex_count);
-    put_points(maker, "normals", view.normals, view.vertex_count);
+    pack_points(maker, "positions", view.positions, view.vertex_count);
+    pack_points(maker, "normals", view.normals, view.vertex_count);
     packet_borrow(maker, "triangles", PACKET_U32, view.triangles, 3 * (size_t)view.triangle_count);
     const pith_status status = packet_finish(maker, made, err);
     pith_mesh_destroy(mesh);

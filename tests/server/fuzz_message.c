@@ -27,6 +27,15 @@ static void drain(void)
     while (outbox_take(out, &socket, &content)) packet_release(content);
 }
 
+static void end(void)
+{
+    char line[100];
+    snprintf(line, sizeof line, "rm -rf %s", folder);
+    editor_close(own); /* its threads must not run on while the process ends */
+    outbox_destroy(out);
+    if (system(line) != 0) _exit(1);
+}
+
 /* A new editor now and then: histories and folders would grow without end. */
 static void renew(void)
 {
@@ -38,6 +47,8 @@ static void renew(void)
         outbox_destroy(out);
     } else if (!mkdtemp(folder)) {
         abort();
+    } else {
+        atexit(end);
     }
     snprintf(line, sizeof line, "rm -rf %s", folder);
     snprintf(path, sizeof path, "%s/kiwi.pith", folder);

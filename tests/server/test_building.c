@@ -207,6 +207,57 @@ static void test_questions_wait_for_a_model(void **state)
     desk_close(at);
 }
 
+/* The number of values in an array of a packet. */
+static json_int_t values_in(const json_t *heard, const char *name)
+{
+    return json_integer_value(json_array_get(json_object_get(json_object_get(heard, "arrays"), name), 2));
+}
+
+static void test_sections_and_lines_on_what_is_seen(void **state)
+{
+    (void)state;
+    desk *at = desk_open(true, false);
+    settle(at);
+    const json_t *section = ASK(at, "\"do\": \"section\", \"plane\": {\"point\": [0, 0, 0], \"normal\": [0, 0, 1]}");
+    assert_string_equal(text_of(section, "kind"), "section");
+    assert_int_equal(json_array_size(json_object_get(section, "parts")), 1);
+    assert_true(values_in(section, "corners") > 0);
+    section = ASK(at, "\"do\": \"section\", \"plane\": {\"point\": [0, 0, 9], \"normal\": [0, 0, 1]}"); /* beside the body */
+    assert_int_equal(values_in(section, "corners"), 0);
+    REFUSED(at, "bad argument", "plane", "\"do\": \"section\", \"plane\": {\"point\": [0, 0, 0], \"normal\": [0, 0, 0]}");
+    REFUSED(at, "bad argument", "plane.normal", "\"do\": \"section\", \"plane\": {\"point\": [0, 0, 0]}");
+
+    const json_t *lines = ASK(at, "\"do\": \"lines\", \"where\": \"section\", \"spacing\": 0.05");
+    assert_int_equal(values_in(lines, "part"), 0); /* nothing is cut */
+    lines = ASK(at, "\"do\": \"lines\", \"where\": \"skin\", \"spacing\": 0.05");
+    assert_true(values_in(lines, "part") > 0);
+    apply(at, cut);
+    settle(at);
+    lines = ASK(at, "\"do\": \"lines\", \"where\": \"section\", \"spacing\": 0.05");
+    assert_true(values_in(lines, "part") > 0);
+    desk_close(at);
+}
+
+/* Of questions that wait, the newest of each kind is answered, and the others are told that it is. */
+static void test_newer_questions_supersede(void **state)
+{
+    (void)state;
+    desk *at = desk_open(false, false); /* nothing is built yet: all of them wait */
+    desk_say(at, "{\"id\": 101, \"do\": \"layer\", \"depth\": 0.3}");
+    desk_say(at, "{\"id\": 102, \"do\": \"layer\", \"depth\": 0.4}");
+    desk_say(at, "{\"id\": 103, \"do\": \"lines\", \"where\": \"body\"}");
+    ASK(at, "\"do\": \"layer\", \"depth\": 0.5");
+    size_t superseded = 0;
+    for (size_t i = 0; i < at->count; ++i) {
+        if (strcmp(text_of(at->heard[i].text, "status"), "superseded") != 0) continue;
+        assert_true(whole_of(at->heard[i].text, "id") == 101 || whole_of(at->heard[i].text, "id") == 102);
+        ++superseded;
+    }
+    assert_int_equal(superseded, 2);
+    desk_wait(at, 0, "kind", "lines", NULL);
+    desk_close(at);
+}
+
 static void test_exemplars_are_made_for_looking(void **state)
 {
     (void)state;
@@ -331,6 +382,8 @@ int main(void)
         TEST(test_a_cancelled_update_does_not_come_back),
         TEST(test_what_cannot_be_built_says_why_and_is_not_tried_again),
         TEST(test_questions_wait_for_a_model),
+        TEST(test_sections_and_lines_on_what_is_seen),
+        TEST(test_newer_questions_supersede),
         TEST(test_exemplars_are_made_for_looking),
         TEST(test_pictures_come_coarse_then_fine),
         TEST(test_a_newer_picture_of_a_stream_cancels_the_older),
