@@ -300,6 +300,13 @@ static int on_writeable(transport *server, seat *own)
     return 0;
 }
 
+/* Is this slot the other, or below it? */
+static bool is_in_slot(const char *own, const char *slot)
+{
+    const size_t length = strlen(slot);
+    return strncmp(own, slot, length) == 0 && (own[length] == 0 || own[length] == '/');
+}
+
 /* Takes out what waits in the slot and is not under way. */
 static void drop_slot(seat *own, const char *slot)
 {
@@ -307,7 +314,7 @@ static void drop_slot(seat *own, const char *slot)
     if (*at && own->begun) at = &(*at)->next;
     while (*at) {
         waiting *here = *at;
-        if (strcmp(packet_slot(here->content), slot) != 0) {
+        if (!is_in_slot(packet_slot(here->content), slot)) {
             at = &here->next;
             continue;
         }

@@ -119,9 +119,9 @@ void viewer_take_model(viewer *own, built_model *made)
 static pack_stamp stamp(viewer *own) { return (pack_stamp){ .revision = own->revision, .serial = ++own->serial }; }
 
 /* Keeps the packet for those who come later, and sends it to those who are there. */
-static void send(viewer *own, packet *made, packet **kept, const char *kind, const char *name)
+static void send(viewer *own, packet *made, packet **kept, const char *kind, size_t index)
 {
-    packet_set_slot(made, "%s/%s", kind, name);
+    packet_set_slot(made, "%s/%zu", kind, index);
     packet_release(*kept);
     *kept = packet_hold(made);
     outbox_put(own->out, OUTBOX_ALL, made);
@@ -160,10 +160,10 @@ static pith_status refresh_mesh(viewer *own, pith_model *body, size_t index, con
         }
         packet_release(sent->mesh_packet);
         sent->mesh_packet = made;
-        packet_set_slot(painted, "paint/%s", name);
+        packet_set_slot(painted, "mesh/%zu/paint", index);
         outbox_put(own->out, OUTBOX_ALL, painted);
     } else {
-        send(own, made, &sent->mesh_packet, "mesh", name);
+        send(own, made, &sent->mesh_packet, "mesh", index);
     }
     sent->mesh = mesh;
     sent->paint = paint;
@@ -180,7 +180,7 @@ static pith_status refresh_solid(viewer *own, pith_model *body, size_t index, co
     const pack_stamp mark = stamp(own);
     packet *made = NULL;
     PITH_TRY(pack_solid(body, index, name, &mark, &made, err));
-    send(own, made, &sent->solid_packet, "solid", name);
+    send(own, made, &sent->solid_packet, "solid", index);
     sent->solid = solid;
     return PITH_OK;
 }
@@ -192,7 +192,7 @@ static pith_status refresh_view(viewer *own, pith_error *err)
     const pack_stamp mark = stamp(own);
     packet *made = NULL;
     PITH_TRY(pack_view(viewer_shown(own)->model, &mark, &made, err));
-    send(own, made, &own->view_packet, "view", "");
+    send(own, made, &own->view_packet, "view", 0);
     return PITH_OK;
 }
 
