@@ -139,6 +139,21 @@ static void test_paint_is_seen_at_once(void **state)
     assert_true(flag(body, "mesh") && flag(body, "tets") && !flag(body, "fields") && !flag(body, "solid"));
     assert_false(flag(body, "shown"));
     assert_int_equal(count_of(at, from, "kind", "view"), 0); /* the old solid stays in sight */
+
+    /* A page that comes now gets the whole mesh, with the paint of now: face 3 is at 0.5, the others are at 0. */
+    const size_t later = at->count;
+    ASK(at, "\"do\": \"hello\"");
+    const size_t i = desk_wait(at, later, "kind", "mesh", NULL);
+    const json_t *arrays = json_object_get(at->heard[i].text, "arrays"), *painted = json_object_get(arrays, "painted");
+    assert_non_null(json_object_get(arrays, "positions"));
+    size_t size;
+    uint32_t length;
+    const unsigned char *bytes = packet_bytes(at->heard[i].content, &size);
+    memcpy(&length, bytes, 4);
+    float depths[4];
+    memcpy(depths, bytes + 4 + length + json_integer_value(json_array_get(painted, 0)), sizeof depths);
+    CHECK_NEAR(depths[2], 0.0, 0.0);
+    CHECK_NEAR(depths[3], 0.5, 0.0);
     desk_close(at);
 }
 
