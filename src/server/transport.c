@@ -245,11 +245,16 @@ static void drop_first(seat *own)
 
 static void on_closed(transport *server, seat *own)
 {
-    for (int i = 0; i < MOST_SOCKETS; ++i)
-        if (server->seats[i] == own) server->seats[i] = NULL;
+    bool known = false;
+    for (int i = 0; i < MOST_SOCKETS; ++i) {
+        if (server->seats[i] != own) continue;
+        server->seats[i] = NULL;
+        known = true;
+    }
     while (own->first) drop_first(own);
     pith_free(own->received);
     own->received = NULL;
+    if (known) server->calls.closed(server->calls.user, own->number);
 }
 
 static int on_receive(transport *server, seat *own, const void *bytes, size_t size)
