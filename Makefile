@@ -84,6 +84,7 @@ bench: $(BUILD)/pith-configured
 	$(BUILD)/pith bench render --json > bench/results/render.json
 	$(BUILD)/pith bench cut --csv > bench/results/cut.csv
 	$(BUILD)/pith bench cut --curve --csv > bench/results/cut_curve.csv
+	$(BUILD)/pith bench layers --csv > bench/results/layers.csv
 	$(BUILD)/pith bench blend --csv > bench/results/blend.csv
 	$(BUILD)/pith bench volume --json > bench/results/volume.json
 

@@ -12,6 +12,7 @@ static const bench benches[] = {
     { "fields", "RBF solves and evaluation, Laplacian smoothing", bench_fields },
     { "render", "pictures of the shipped kiwi", bench_render },
     { "cut", "cuts and splits along planes and strokes, bodies", bench_cut },
+    { "layers", "the patches over each triangle of a kiwi's section and skin, for composers", bench_layers },
     { "blend", "contrast where patches overlap, and what keeping it costs", bench_blend },
     { "volume", "translucent pictures of a fibrous tube", bench_volume },
 };
@@ -151,8 +152,8 @@ int verb_bench(int argc, char **argv)
         { "csv", 0, CLI_SWITCH, &csv, NULL, "print CSV, as kept in bench/results", 0, 0, NULL },
     };
     cli_line line = {
-        .verb = "bench", .words = "lapped|fields|render|volume|cut", .least_words = 1, .most_words = 1, .flags = flags,
-        .flag_count = sizeof flags / sizeof *flags,
+        .verb = "bench", .words = "lapped|fields|render|cut|layers|blend|volume", .least_words = 1, .most_words = 1,
+        .flags = flags, .flag_count = sizeof flags / sizeof *flags,
         .summary = "Measures. Each case has times (least and median of repeated runs), a figure of quality beside them, and\n"
                    "the largest memory.",
     };

@@ -13,7 +13,7 @@ typedef struct bench_options {
 
 /* Appends cases {"name": …, measures…} to the list. */
 typedef pith_status bench_run(const bench_options *options, json_t *cases, pith_error *err);
-bench_run bench_lapped, bench_fields, bench_render, bench_volume, bench_cut, bench_blend;
+bench_run bench_lapped, bench_fields, bench_render, bench_volume, bench_cut, bench_layers, bench_blend;
 
 /* Accuracy of orientations recovered from strokes; part of bench_fields. */
 bench_run bench_orientation;
@@ -22,6 +22,10 @@ bench_run bench_look;
 /* A closed surface: the profile (radius, height), from axis to axis, turned about z; and a cylinder of radius 1. */
 pith_status bench_revolve(const double (*profile)[2], uint32_t count, uint32_t sides, pith_mesh **mesh, pith_error *err);
 pith_status bench_cylinder(uint32_t rings, uint32_t sides, pith_mesh **mesh, pith_error *err);
+
+/* A fruit's document with so many tetrahedra and so fine a surface (0: as the file has them), for bench_load. */
+typedef struct bench_fineness { int tetrahedra, detail; } bench_fineness;
+void bench_set_fineness(json_t *root, const void *user);
 
 /* Times of repeated runs. */
 typedef struct bench_times { double seconds[64]; int count; } bench_times;

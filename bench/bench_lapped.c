@@ -7,12 +7,9 @@
 
 enum { SAMPLE_COUNT = 1000000, CUT_COUNT = 50 };
 
-/* How many tetrahedra, and how fine the fruit's surface; 0: as the document has it. */
-typedef struct fineness { int tetrahedra, detail; } fineness;
-
-static void set_fineness(json_t *root, const void *user)
+void bench_set_fineness(json_t *root, const void *user)
 {
-    const fineness *as = user;
+    const bench_fineness *as = user;
     json_t *shape = json_object_get(root, "shape");
     if (as->tetrahedra == 0) return;
     json_object_set_new(shape, "tets", json_pack("{si}", "tetrahedra", as->tetrahedra));
@@ -235,13 +232,13 @@ static pith_status report_fill(pith_model *model, json_t *row, pith_error *err)
     return PITH_OK;
 }
 
-static pith_status run_case(const char *name, const char *path, fineness as, const bench_options *options, json_t *cases,
-                            pith_error *err)
+static pith_status run_case(const char *name, const char *path, bench_fineness as, const bench_options *options,
+                            json_t *cases, pith_error *err)
 {
     char saved[200];
     snprintf(saved, sizeof saved, "/tmp/pith-bench-%ld.pithc", (long)getpid());
     pith_document *document = NULL;
-    PITH_TRY(bench_load(path, set_fineness, &as, &document, err));
+    PITH_TRY(bench_load(path, bench_set_fineness, &as, &document, err));
     json_t *row = json_pack("{ss}", "name", name);
     pith_model *model = NULL;
     bench_reset_peak();
@@ -265,12 +262,12 @@ static pith_status run_case(const char *name, const char *path, fineness as, con
 pith_status bench_lapped(const bench_options *options, json_t *cases, pith_error *err)
 {
     /* The paper's seven, at about its numbers of tetrahedra, and a scanned mesh. */
-    static const struct { const char *name; fineness as; } models[] = {
+    static const struct { const char *name; bench_fineness as; } models[] = {
         { "kiwi", { 5000, 3 } }, { "carrot", { 5000, 3 } }, { "tree", { 5000, 3 } }, { "watermelon", { 3000, 3 } },
         { "tube", { 0, 0 } }, { "strata", { 0, 0 } }, { "cake", { 0, 0 } }, { "kiwi_bunny", { 0, 0 } },
     };
     /* The fruit's surface gets finer with its inside, so that tets stay of one size. */
-    static const fineness curve[] = {
+    static const bench_fineness curve[] = {
         { 5000, 3 }, { 20000, 4 }, { 50000, 4 }, { 100000, 5 }, { 200000, 5 }, { 500000, 6 },
     };
     char path[1000], name[60], file[80];

@@ -25,7 +25,7 @@ async function measureCuts(name, page) {
   for (let i = 0; i < repeats + 1; ++i) {
     const lean = (i - repeats / 2) * 0.02 * width;
     const before = await page.evaluate(() => (globalThis.pith.timing.done.cut ?? []).length);
-    await drag(page, [[width / 2 - lean, height * 0.04], [width / 2 + 0.03 * width, height * 0.5], [width / 2 + lean, height * 0.96]]);
+    await drag(page, [[width / 2 - lean, height * 0.14], [width / 2 + 0.03 * width, height * 0.5], [width / 2 + lean, height * 0.97]]);
     await page.waitForFunction((n) => (globalThis.pith.timing.done.cut ?? []).length > n, before, { timeout: 60000, polling: 20 });
     const run = await page.evaluate(() => globalThis.pith.timing.done.cut.at(-1));
     if (i > 0) runs.push(run); // the first is the warm-up

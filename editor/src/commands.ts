@@ -14,6 +14,8 @@ export interface Command {
   keys: string[];                   // "Ctrl+Shift+Z"; the first is shown
   /** Why it cannot be done at the moment; null when it can. */
   why?: () => string | null;
+  /** It is tried all the same: what the page knows may lag behind what was done, and the server says no by itself. */
+  insists?: boolean;
   run: () => void;
 }
 
@@ -44,16 +46,16 @@ export class Commands {
   /** Does a command, unless there is a reason not to; that is said. */
   run(id: string): void {
     const command = this.get(id), why = command.why?.() ?? null;
-    if (why) this.app.messages.say(why);
+    if (why && !command.insists) this.app.messages.say(why);
     else command.run();
   }
 
   private ofDocument(): Command[] {
     const { store, actions } = this.app, { state } = store;
     return [
-      { id: 'undo', label: 'Undo', group: 'Document', keys: ['Ctrl+Z'], why: () => (state.undo.length ? null : 'There is nothing to undo.'),
+      { id: 'undo', label: 'Undo', group: 'Document', keys: ['Ctrl+Z'], insists: true, why: () => (state.undo.length ? null : 'There is nothing to undo.'),
         run: () => void actions.undo() },
-      { id: 'redo', label: 'Redo', group: 'Document', keys: ['Ctrl+Shift+Z', 'Ctrl+Y'],
+      { id: 'redo', label: 'Redo', group: 'Document', keys: ['Ctrl+Shift+Z', 'Ctrl+Y'], insists: true,
         why: () => (state.redo.length ? null : 'There is nothing to redo.'), run: () => void actions.redo() },
       { id: 'save', label: 'Save', group: 'Document', keys: ['Ctrl+S'], run: () => void save(this.app) },
       { id: 'save-as', label: 'Save as…', group: 'Document', keys: ['Ctrl+Shift+S'],

@@ -65,7 +65,7 @@ function takeJob(event: JobEvent): void {
 async function hello(): Promise<void> {
   const answer = await connection.ask<Hello>('hello');
   const { version, path, file, socket, automatic, schema, types, templates } = answer;
-  viewport.statedCamera = answer.document.camera;
+  viewport.stateCamera(answer.document.camera);
   store.set({ connection: 'open', version, path, file, socket, automatic, schema, types, templates });
   takeDocument(answer);
 }
@@ -99,8 +99,8 @@ store.on(['isolines'], () => viewport.look({ isolines: store.state.isolines }));
 
 toolbox.add(selectTool(app), cutTool(app), planeTool(app), fillTool(app), faceTool(app), depthTool(app), pointsTool(app),
             directionTool(app), scaleTool(app), pasteTool(app));
-buildPage(app);
+const commands = buildPage(app);
 installFieldView(app);
 installMarks(app);
 toolbox.enter();
-(globalThis as any).pith = app; // for tests, benchmarks, and the curious
+(globalThis as any).pith = Object.assign(app, { commands }); // for tests, benchmarks, and the curious

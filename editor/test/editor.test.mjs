@@ -44,7 +44,7 @@ describe('the editor', { timeout: 600000 }, () => {
   after(closeBrowser);
 
   test('the section is composed as the library samples it', async () => {
-    for (const name of ['kiwi.pith', 'sponge.pith', 'bricks_fitted.pith']) {
+    for (const name of ['kiwi.pith', 'sponge.pith', 'bricks_fitted.pith']) { // depth as s; s of its own; patches cut to fit
       const page = await open(name);
       await page.evaluate(() => globalThis.pith.viewport.look({ unlit: true }));
       const seen = await page.evaluate(() => {
@@ -79,7 +79,7 @@ describe('the editor', { timeout: 600000 }, () => {
     const { width, height } = await viewBox(page), middle = [Math.round(width * 0.5) - 40, Math.round(height / 2)];
     const [skin] = await pixels(page, [middle]);
     await use(page, { tool: 'cut' });
-    await drag(page, [[width / 2, 10], [width / 2 + 10, height / 2], [width / 2, height - 10]]);
+    await drag(page, [[width / 2, height * 0.14], [width / 2 + 10, height / 2], [width / 2, height * 0.97]]);
     await until(page, (s) => s.document.cuts && s.document.cuts.length === 1);
     await settled(page);
     const parts = await page.evaluate(() => globalThis.pith.viewport.view.parts.filter((part) => !part.hidden).length);
@@ -124,7 +124,7 @@ describe('the editor', { timeout: 600000 }, () => {
     ]));
     await settled(page, 120000);
     await use(page, { tool: 'cut' });
-    await drag(page, [[width / 2, 5], [width / 2, height - 5]]);
+    await drag(page, [[width / 2, height * 0.14], [width / 2, height * 0.97]]);
     await until(page, (s) => s.document.cuts && s.document.cuts.length === 1);
     await settled(page);
     await page.evaluate(() => globalThis.pith.viewport.look({ unlit: true }));

@@ -33,7 +33,8 @@ void pith_document_destroy(pith_document *document);
 /** The title, or "". */
 const char *pith_document_title(const pith_document *document);
 /** Every file the document names, recipes and the photographs they name included: paths as the document resolves them,
- *  relative to itself or, in a recipe, to the recipe; each once, in the order of the grammar. files: [count], in one block
+ *  relative to itself or, in a recipe, to the recipe; each once, in the order of the grammar. What the header of an NRRD
+ *  points to is not among them. files: [count], in one block
  *  with the texts; caller frees it with pith_free. Reads the recipes: PITH_IO or PITH_BAD_DOCUMENT when one has gone bad
  *  since the document was checked. */
 pith_status pith_document_files(const pith_document *document, char ***files, size_t *count, pith_error *err);
@@ -184,10 +185,12 @@ typedef struct pith_model_piece {
     bool hidden;                /* the document's "parts" say so: no item is made of it */
     pith_vec3 inside;           /* a material point inside it, by which it can be named: the middle of its largest tet */
 } pith_model_piece;
-/** Every piece that the cuts leave, hidden ones too, else in the order of pith_model_items; needs no solids. displaced: with the skins of bodies
- *  that have a displacement moved, which needs the solids of those bodies (PITH_BAD_DOCUMENT when one has none); else as
- *  the cuts left them. The model owns them until its cuts are set anew. Makes the model, and those that share with it,
- *  keep in memory what its cuts make on the way (up to 1 GiB), so that one cut more or less is one cut's work. */
+/** Every piece that the cuts leave, hidden ones too, else in the order of pith_model_items; needs no solids.
+ *  displaced: with the skins of bodies that have a displacement moved, which needs the solids of those bodies
+ *  (PITH_BAD_DOCUMENT when one has none); else as the cuts left them. The model owns them until its cuts are set anew.
+ *  Makes the model, and those that share with it, keep in memory what its cuts make on the way (up to 1 GiB), so that one
+ *  cut more or less is one cut's work: through 200 000 tets, one more takes some 20 ms of one core, one less or the last
+ *  one changed 8 ms, and each new entry of "parts" less than 1 ms. */
 pith_status pith_model_pieces(pith_model *model, bool displaced, const pith_model_piece **pieces, size_t *count,
                               pith_error *err);
 /** What a plane would lay open of the pieces that are not hidden, without cutting: their sections alone, as
@@ -196,8 +199,8 @@ pith_status pith_model_pieces(pith_model *model, bool displaced, const pith_mode
 pith_status pith_model_section(pith_model *model, const pith_plane *plane, pith_model_piece **sections, size_t *count,
                                pith_error *err);
 void pith_sections_free(pith_model_piece *sections, size_t count); /* NULL is allowed */
-/** The shells left after the cuts, with their offsets; empty shells and hidden parts are left out. Cuts apply in sequence: all but the
- *  last split every part there is, the last one only lays its section open. Offsets add up. */
+/** The shells left after the cuts, with their offsets; empty shells and hidden parts are left out. Cuts apply in
+ *  sequence: all but the last split every part there is, the last one only lays its section open. Offsets add up. */
 pith_status pith_model_items(pith_model *model, const pith_render_item **items, size_t *count, pith_error *err);
 /** The parts left after the cuts with their solids, but for hidden ones, for volume rendering. */
 pith_status pith_model_volume_items(pith_model *model, const pith_volume_item **items, size_t *count,

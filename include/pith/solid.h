@@ -143,24 +143,24 @@ pith_status pith_lapped_save(const pith_solid *solid, unsigned char **bytes, siz
 pith_status pith_lapped_load(const void *bytes, size_t size, const pith_tets *tets, const double *depth,
                              const pith_grid *exemplar, pith_solid **solid, pith_error *err);
 
-/* ---- lapped solids outside of pith --------------------------------------------------------------------------------- */
+/* ---- lapped solids outside of pith ------------------------------------------------------------------------------- */
 
 /* What a composer needs that draws the surface of a lapped solid itself, at the resolution of the picture and without
  * asking point by point, such as a shader (Takayama et al. 2008 §5.1): the patches over each triangle
- * (pith_lapped_layers, after every cut), and what they are made of (pith_lapped_look, once). The rest of this comment is
- * the whole rule by which a point gets its colour; pith_solid_sample follows the same one. clamp(x) is x held in 0..1.
- * All mixes are a + x (b - a), along r, then s, then t: what is constant stays so exactly, and the tests for 0 below are
- * tests for exactly 0.
+ * (pith_lapped_layers, after every cut), and what they are made of (pith_lapped_look, once). The rest of this comment
+ * is the whole rule by which a point gets its colour; pith_solid_sample follows the same one. clamp(x) is x held in
+ * 0..1. All mixes are a + x (b - a), along r, then s, then t: what is constant stays so exactly, and the tests for 0
+ * below are tests for exactly 0.
  *
  *  1. A layer at a point: r, s, t and fade are linear over the triangle. P is the layer's patch, E its exemplar.
  *  2. Its alpha is 0 unless 0 < r < 1 and 0 < t < 1; for a patch that is pasted (P.exemplar > 0) unless 0 < s < 1 too.
  *     Then it is
  *         mask(r, s, t)                     when P.cut is NULL,
  *         clamp(2 bits(r, s, t) - 1/2)      when not,
- *     times clamp(3 fade - 1). mask is the trilinear mix of the cells of mask number P.mask over 255, bits that of the 0
- *     and 1 of P.cut. Both have the middle of cell i of n at (i + 1/2) / n along every axis, and outside the middles of
- *     the outermost cells go on as there: what graphics cards call linear filtering, clamped to the edge. A layer that
- *     is PITH_LAYER_WHOLE has alpha 1 all over its triangle.
+ *     times clamp(3 fade - 1). mask is the trilinear mix of the cells of mask number P.mask over 255, bits that of the
+ *     0 and 1 of P.cut. Both have the middle of cell i of n at (i + 1/2) / n along every axis, and outside the middles
+ *     of the outermost cells go on as there: what graphics cards call linear filtering, clamped to the edge. A layer
+ *     that is PITH_LAYER_WHOLE has alpha 1 all over its triangle.
  *  3. Its values are E's at (r, s, t) + P.offset: trilinear, cells as above, but r and t wrap round, and s does when
  *     E.wraps, else it goes on as at the edge.
  *  4. Layers are composed in order, from the topmost down. Begin with through = 1 and sums of 0; for each layer but the
@@ -172,27 +172,28 @@ pith_status pith_lapped_load(const void *bytes, size_t size, const pith_tets *te
  *     At through = 0 one can stop. The answer is colour / weight and, from the fifth channel on, extra / extra_weight.
  *  5. Where weight is 0 (rare: points between those at which the fill tested its coverage), take of all layers that are
  *     not pasted, the spare ones included, the one with the least of max(|r - 1/2|, |t - 1/2|), of a homogeneous solid
- *     max(|r - 1/2|, |s - 1/2|, |t - 1/2|): its values are the answer, whatever its alpha. Of equals, either.
+ *     max(|r - 1/2|, |s - 1/2|, |t - 1/2|): its values are the answer, whatever its alpha. Of equals the one
+ *     with the highest number of a patch: it lies on top.
  *  6. Where extra_weight is 0 though weight is not (under pastes that lack those channels), the channels from the fifth
  *     on are those of the layer that rule 5 finds.
- *  7. A solid whose exemplar 0 is blended (PITH_BLEND_VARIANCE) mixes the layers that are not pasted as normal variables:
- *     in rule 4 their values come from normals.values, laid out as E's, and go into sums of their own, with
+ *  7. A solid whose exemplar 0 is blended (PITH_BLEND_VARIANCE) mixes the layers that are not pasted as normal
+ *     variables: in rule 4 their values come from normals.values, laid out as E's, and go into sums of their own, with
  *     normal_weight += factor and squares += factor². through is shared. At the end, where normal_weight > 0,
  *         g = (sum of factor values) / sqrt(squares), decoded to d;
  *         colour += normal_weight d[0..3]; extra += normal_weight d[4..]; weight and extra_weight += normal_weight.
  *     Decoding: along y = s rows - 1/2, held in 0..rows - 1, s being that of any layer that is not pasted, the value of
  *     channel c is mixed between table [row][c] of the two rows next to y. In a table the value at g is found at
  *     x = clamp((g / PITH_LAPPED_REACH + 1) / 2) (PITH_LAPPED_TABLE - 1), between entries. The first three so found, v,
- *     are along axes: d[c] = max(0, mean[c] + v[0] axes[0][c] + v[1] axes[1][c] + v[2] axes[2][c]) for c < 3; the others
- *     are d[c] themselves. Rules 5 and 6 take E's plain values. */
+ *     are along axes: d[c] = max(0, mean[c] + v[0] axes[0][c] + v[1] axes[1][c] + v[2] axes[2][c]) for c < 3; the
+ *     others are d[c] themselves. Rules 5 and 6 take E's plain values. */
 
 /** Sizes of what pith_lapped_look shows: cells of a mask and of a cut along each axis, entries of a table of normals,
  *  and where these tables end: they run from -PITH_LAPPED_REACH to PITH_LAPPED_REACH deviations. */
 enum { PITH_LAPPED_MASK = 48, PITH_LAPPED_CUT = 32, PITH_LAPPED_TABLE = 128 };
 #define PITH_LAPPED_REACH 3.5
 
-/** What a layer does on its triangle. PART: anything. WHOLE: alpha is 1 all over, before a paste's own opacity. SPARE: it
- *  has no part in rule 4, being clear all over or under a layer that hides it; it is there for rules 5 and 6 alone. */
+/** What a layer does on its triangle. PART: anything. WHOLE: alpha is 1 all over, before a paste's own opacity. SPARE:
+ *  no part in rule 4, being clear all over or under a layer that hides it; it is there for rules 5 and 6 alone. */
 typedef enum pith_layer_role { PITH_LAYER_PART, PITH_LAYER_WHOLE, PITH_LAYER_SPARE } pith_layer_role;
 
 /** One patch on one triangle; 56 bytes without gaps. */
@@ -206,16 +207,16 @@ typedef struct pith_lapped_layer {
  *  source_tet and pith_shell_weights give for skins and sections.
  *  tets     [count] the tet each triangle lies in
  *  weights  [count][3][4] barycentric coordinates of its corners in that tet
- *  start    [count + 1], the caller's: layers start[i] .. start[i + 1] are those of triangle i, topmost first, the spare
- *           ones at the end. Rules 1 to 7 find the colour of every point of the triangle from them alone.
+ *  start    [count + 1], the caller's: layers start[i] .. start[i + 1] are those of triangle i, topmost first, the
+ *           spare ones at the end. Rules 1 to 7 find the colour of every point of the triangle from them alone.
  *  layers   allocated, start[count] of them; free with pith_free
- *  What is left out is known to be clear all over, or to lie under a WHOLE layer that is not pasted, the last one before
- *  the spare ones. Known from the box of the triangle's texture coordinates: large triangles may have layers that just
- *  miss them. Spare ones are listed where rules 5 and 6 may be needed, and of these those that they may pick.
+ *  What is left out is known to be clear all over, or to lie under a WHOLE layer that is not pasted, the last one
+ *  before the spare ones. Known from the box of the triangle's texture coordinates: large triangles may have layers
+ *  that just miss them. Spare ones are listed where rules 5 and 6 may be needed, and of these those that they may pick.
  *  Same bits for any number of threads; parallel unless the caller is. O(triangles * patches in their tets).
  *  PITH_BAD_ARGUMENT: not lapped, NULL, a tet that there is not, weights that are not finite. */
-pith_status pith_lapped_layers(const pith_solid *solid, const uint32_t *tets, const double (*weights)[3][4], size_t count,
-                               uint32_t *start, pith_lapped_layer **layers, pith_error *err);
+pith_status pith_lapped_layers(const pith_solid *solid, const uint32_t *tets, const double (*weights)[3][4],
+                               size_t count, uint32_t *start, pith_lapped_layer **layers, pith_error *err);
 
 /** What a lapped solid consists of; borrows the solid, and so does everything that the calls below return. */
 typedef struct pith_lapped_view {

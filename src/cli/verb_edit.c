@@ -121,6 +121,15 @@ static int serve(pith_server *server, const char *document, bool json, bool brow
     return result;
 }
 
+/* Threads of a team that wait for one another spin at first, which is quick when each has a core of its own. Here a
+   browser wants the cores, and a cut took three times as long. The OpenMP runtime looks at its environment once, before
+   main: the program begins again with it set. Where it cannot, it goes on as it is. */
+static void wait_without_spinning(char **argv)
+{
+    if (getenv("OMP_WAIT_POLICY") || setenv("OMP_WAIT_POLICY", "passive", 1) != 0) return;
+    execv("/proc/self/exe", argv);
+}
+
 int verb_edit(int argc, char **argv)
 {
     cli_model_flags common = { 0 };
@@ -146,6 +155,7 @@ int verb_edit(int argc, char **argv)
     };
     const int code = cli_parse(&line, argc, argv);
     if (code != CLI_GO_ON) return code;
+    wait_without_spinning(argv - 2); /* with the program and the verb in front */
     pith_error err;
     char document[PATH_MAX], folder[PATH_MAX], examples[PATH_MAX];
     if (common.threads > 0) pith_threads_set(common.threads);

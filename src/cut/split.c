@@ -138,7 +138,8 @@ static pith_status gather_zero_bits(const cut_march *march, uint8_t **bits, pith
 }
 
 /* The tets of one side under vertex codes, in the order of the tets they come from; zero_bits may be NULL. */
-static void gather_tets(const cut_march *march, unsigned side, const pieces *list, const uint8_t *zero_bits, pith_part *p)
+static void gather_tets(const cut_march *march, unsigned side, const pieces *list, const uint8_t *zero_bits,
+                        pith_part *p)
 {
     const pith_part *from = march->part;
     uint32_t count = 0;

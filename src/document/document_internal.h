@@ -309,15 +309,15 @@ pith_status exemplar_pack(const pith_grid *exemplar, byte_writer *out, pith_erro
 pith_status exemplar_unpack(byte_reader *in, pith_grid **exemplar, pith_error *err);
 
 /* Keys of the stages: hashes of everything the stage depends on, the contents of files included. vectors: of the
-   directions at the tets' vertices, voxels: of the field they are taken from; painted: of faces; patches: of a fill, solid: of what the
-   body is made of in the end. */
+   directions at the tets' vertices, voxels: of the field they are taken from; painted: of faces; patches: of a fill,
+   solid: of what the body is made of in the end. */
 typedef struct stage_keys {
     uint64_t mesh, painted, tets, depth, fields, voxels, vectors, scale, exemplar, patches, solid;
 } stage_keys;
 pith_status stage_keys_of(const document_body *body, stage_keys *keys, pith_error *err);
 /* The key of the exemplar of a paste. */
 pith_status stage_key_of_exemplar(const document_exemplar *exemplar, uint64_t *key, pith_error *err);
-/* Hash of a file's contents, chained onto *hash; from memory when the file has not been touched since it was last read. */
+/* Hash of a file's contents, chained onto *hash; from memory when the file has not been touched since it was read. */
 pith_status hash_file(const char *path, uint64_t *hash, pith_error *err);
 /* Hash of every option of the table, by name, chained onto seed. */
 uint64_t hash_options(const pith_params *table, const void *options, uint64_t seed);

@@ -12,7 +12,8 @@ static pith_status gather(file_list *files, const char *base, const json_t *obje
                           pith_error *err);
 
 /* The path of a file named beside `base`; one that is there already is not added again. Lives as long as the list. */
-static pith_status add_file(file_list *files, const char *base, const json_t *written, const char **path, pith_error *err)
+static pith_status add_file(file_list *files, const char *base, const json_t *written, const char **path,
+                            pith_error *err)
 {
     char *joined = pith_path_join(base, json_string_value(written));
     if (!joined) return PITH_OUT_OF_MEMORY(err, "a path");

@@ -102,7 +102,8 @@ const pith_params *const *pith_document_tables(void)
         &document_scale_value_params, &pith_displacement_params, &document_paste_params, &pith_lapped_params,
         &document_grid_params, &document_recipe_params, &document_stop_params, &pith_noise_layer_params,
         &pith_brick_layer_params, &pith_particle_layer_params, &pith_cut_step_params, &pith_cut_stroke_params,
-        &document_part_params, &document_lens_params, &pith_render_params, &pith_volume_params, &document_transfer_params, NULL,
+        &document_part_params, &document_lens_params, &pith_render_params, &pith_volume_params,
+        &document_transfer_params, NULL,
     };
     return tables;
 }

@@ -65,7 +65,8 @@ static pith_status split_piece(const piece *from, size_t index, const pith_cut_s
     piece after = *from;
     after.parent = index;
     PITH_TRY(piece_side_of(from, cut, &after.side, &values, err));
-    if (after.side != SIDE_BOTH) return cut_keeps(cut, after.side == SIDE_POSITIVE) ? add_piece(to, &after, err) : PITH_OK;
+    if (after.side != SIDE_BOTH)
+        return cut_keeps(cut, after.side == SIDE_POSITIVE) ? add_piece(to, &after, err) : PITH_OK;
     pith_part *sides[2] = { NULL, NULL };
     pith_status status = pith_part_split(from->part->what, values, cut_keeps(cut, false) ? &sides[0] : NULL,
                                          cut_keeps(cut, true) ? &sides[1] : NULL, err);
@@ -168,7 +169,8 @@ static pith_status next_level(pith_model *model, size_t count, holding **at, pit
         *at = holding_share(model->levels[count]);
         return PITH_OK;
     }
-    if (count > 0) PITH_TRY(pith_progress_step(model->progress, (double)(count - 1) / (double)cuts->count, "cuts", err));
+    if (count > 0)
+        PITH_TRY(pith_progress_step(model->progress, (double)(count - 1) / (double)cuts->count, "cuts", err));
     cut_level *made = pith_alloc(1, sizeof *made);
     if (!made) return PITH_OUT_OF_MEMORY(err, "pieces");
     made->key = model_cut_key(model, count);

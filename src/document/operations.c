@@ -112,8 +112,8 @@ const document_operation document_operations[] = {
     { { "cut.stroke", "Adds a cut along a stroke drawn over the picture, after those there are.",
         KEYS({ "stroke", VALUE_OBJECT, "where", &grammar_cut_stroke }), &pith_cut_step_params, NAMES("stroke"), NULL },
       apply_cut_add, NULL, NULL },
-    { { "cut.remove", "Takes a cut away. Entries of `parts` about pieces right after it go too; later ones count one cut "
-        "less.", KEYS(INDEX_KEY("which,")), NULL, NULL, NULL },
+    { { "cut.remove", "Takes a cut away. Entries of `parts` about pieces right after it go too; later ones count one "
+        "cut less.", KEYS(INDEX_KEY("which,")), NULL, NULL, NULL },
       apply_cut_remove, NULL, NULL },
     { { "part.hide", "Hides a piece, as it is after all cuts there are, and all that later cuts make of it.",
         KEYS(PART_KEYS), NULL, NAMES("at"), NULL },
@@ -121,8 +121,8 @@ const document_operation document_operations[] = {
     { { "part.show", "Shows a hidden piece again, or all of them.", KEYS(PART_KEYS), &show_params, NULL,
         NAMES("at", "all") },
       apply_part_show, NULL, NULL },
-    { { "part.move", "Moves a piece, as it is after all cuts there are, and all that later cuts make of it; an offset that "
-        "it was given before, by the same point after the same cuts, is replaced.",
+    { { "part.move", "Moves a piece, as it is after all cuts there are, and all that later cuts make of it; an offset "
+        "that it was given before, by the same point after the same cuts, is replaced.",
         KEYS(PART_KEYS, { "offset", VALUE_POINT, "how far from where cuts put it, model units; [0, 0, 0] puts it back",
                           NULL }), NULL, NAMES("at", "offset"), NULL },
       apply_part_move, NULL, NULL },

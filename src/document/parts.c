@@ -13,9 +13,12 @@ static const double tiny = 1e-9;
 static bool is_beside(const pith_vec3 *material, const uint32_t v[4], pith_vec3 at)
 {
     const pith_vec3 a = material[v[0]], b = material[v[1]], c = material[v[2]], d = material[v[3]];
-    return (a.x < at.x && b.x < at.x && c.x < at.x && d.x < at.x) || (a.x > at.x && b.x > at.x && c.x > at.x && d.x > at.x) ||
-           (a.y < at.y && b.y < at.y && c.y < at.y && d.y < at.y) || (a.y > at.y && b.y > at.y && c.y > at.y && d.y > at.y) ||
-           (a.z < at.z && b.z < at.z && c.z < at.z && d.z < at.z) || (a.z > at.z && b.z > at.z && c.z > at.z && d.z > at.z);
+    return (a.x < at.x && b.x < at.x && c.x < at.x && d.x < at.x) ||
+           (a.x > at.x && b.x > at.x && c.x > at.x && d.x > at.x) ||
+           (a.y < at.y && b.y < at.y && c.y < at.y && d.y < at.y) ||
+           (a.y > at.y && b.y > at.y && c.y > at.y && d.y > at.y) ||
+           (a.z < at.z && b.z < at.z && c.z < at.z && d.z < at.z) ||
+           (a.z > at.z && b.z > at.z && c.z > at.z && d.z > at.z);
 }
 
 /* The tet of a piece that contains the point best. Going through all of them takes less than a millisecond for
@@ -39,8 +42,8 @@ static void look_in_piece(const piece *in, size_t index, pith_vec3 at, double *b
 
 static bool box_has(const pith_box *box, pith_vec3 at)
 {
-    return at.x >= box->low.x && at.x <= box->high.x && at.y >= box->low.y && at.y <= box->high.y && at.z >= box->low.z &&
-           at.z <= box->high.z;
+    return at.x >= box->low.x && at.x <= box->high.x && at.y >= box->low.y && at.y <= box->high.y &&
+           at.z >= box->low.z && at.z <= box->high.z;
 }
 
 /* Looks in the pieces of one body. */
@@ -106,7 +109,8 @@ void model_apply_parts(pith_model *model, size_t count, const cut_level *level, 
 static size_t shell_of(const cut_shells *shells, const piece_place *place)
 {
     const double *values = shells->values[place->piece];
-    const pith_part_view part = pith_part_look(((const cut_level *)shells->level->what)->pieces[place->piece].part->what);
+    const cut_level *level = shells->level->what;
+    const pith_part_view part = pith_part_look(level->pieces[place->piece].part->what);
     double value = 0.0;
     for (int k = 0; values && k < 4; ++k) value += place->weights[k] * values[part.tets[place->tet][k]];
     const piece_side side = value < 0.0 ? SIDE_NEGATIVE : SIDE_POSITIVE;
@@ -121,7 +125,8 @@ void model_apply_parts_to_shells(pith_model *model, const cut_shells *shells, pi
         const document_part *entry = &model->document->parts[i];
         piece_place place;
         if (!is_about(model, entry, model_cuts(model)->count)) continue;
-        const size_t shell = find_piece(model, entry, shells->level->what, &place) ? shell_of(shells, &place) : SIZE_MAX;
+        const bool found = find_piece(model, entry, shells->level->what, &place);
+        const size_t shell = found ? shell_of(shells, &place) : SIZE_MAX;
         if (shell != SIZE_MAX) apply_entry(entry, &states[shell]);
         else tell_no_effect(model, i);
     }

@@ -171,7 +171,10 @@ static pith_status lay_open(cut_shells *to, size_t parent, const pith_cut_step *
 /* The last cut need not make parts, only shells, unless parts are to be told apart after it. */
 static bool lays_open(const cut_list *cuts) { return cuts->count > 0 && !cuts->steps[cuts->count - 1].separate; }
 
-uint64_t model_shells_key(const pith_model *model) { return pith_mix64(model_cut_key(model, model_cuts(model)->count)); }
+uint64_t model_shells_key(const pith_model *model)
+{
+    return pith_mix64(model_cut_key(model, model_cuts(model)->count));
+}
 
 /* All shells of a level, which is shared. */
 static pith_status build_shells(pith_model *model, holding *level, pith_error *err)

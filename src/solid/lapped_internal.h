@@ -14,6 +14,7 @@
  *  lapped_paste.c     further exemplars pasted by hand on top
  *  lapped_look.h      one patch at one point: texture coordinates, alpha, the exemplar there
  *  lapped_sample.c    asking the solid
+ *  lapped_layers.c    the patches over triangles, for composers of their own
  *  lapped_store.c     patches as bytes
  *
  *  Texture space is (r, s, t). What is solved for are r and t, and s too where s is not the depth (types 0): arrays of
@@ -36,8 +37,8 @@ typedef struct lapped_mask {
     /* Least and greatest alpha any point of a block (3 cells wide) can get by trilinear lookup. */
     uint8_t least[MASK_BLOCKS][MASK_BLOCKS][MASK_BLOCKS];
     uint8_t greatest[MASK_BLOCKS][MASK_BLOCKS][MASK_BLOCKS];
-    /* [t][s] bit r: cells of trilinear lookups, between the middles of eight cells of alpha, that are opaque all over and
-       that are not clear all over. */
+    /* [t][s] bit r: cells of trilinear lookups, between the middles of eight cells of alpha, that are opaque all over
+       and that are not clear all over. */
     uint64_t whole_cells[MASK_CELLS][MASK_CELLS], some_cells[MASK_CELLS][MASK_CELLS];
 } lapped_mask;
 

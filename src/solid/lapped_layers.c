@@ -2,13 +2,13 @@
  * are made of (the rule of composition stands in pith/solid.h).
  *
  *  Triangles are gone through twice. First every patch of a triangle's tet is judged by the box of its texture
- *  coordinates over the triangle, one byte for each; then the layers that are wanted are counted, and written where they
- *  belong. Judging is done in float, within bounds that rounding cannot cross; what is written is mixed in double. */
+ *  coordinates over the triangle, one byte for each; then the layers that are wanted are counted, and written where
+ *  they belong. Judging is done in float, within bounds that rounding cannot cross; what is written is mixed in double. */
 #include "lapped_look.h"
 
 #include <omp.h>
 
-/* ---- where a patch lies on a triangle ------------------------------------------------------------------------------ */
+/* ---- where a patch lies on a triangle ---------------------------------------------------------------------------- */
 
 /* Weights of the tet's corners at the triangle's corners, one lane for each of these; the last repeats the first. */
 typedef struct triangle { v4 weights[4], depth; uint32_t tet; } triangle;
@@ -25,8 +25,8 @@ static inline range range_of(v4 corners, float margin)
     return (range){ low - margin, high + margin };
 }
 
-/* What a value given at the tet's corners is between on the triangle, whoever computes it there: both this and the answers
-   of the solid are sums of four products of floats. */
+/* Enough for whoever computes a value on the triangle from those at the tet's corners: both this and the answers of the
+   solid are sums of four products of floats. */
 static const float rounding = 2e-6f;
 
 static inline range range_over(const triangle *at, float a, float b, float c, float d)
@@ -54,7 +54,7 @@ static inline extent extent_of(const lapped_solid *self, uint32_t index, const t
     return box;
 }
 
-/* ---- judging ------------------------------------------------------------------------------------------------------- */
+/* ---- judging ----------------------------------------------------------------------------------------------------- */
 
 /* What becomes of an entry: a role, or left out. */
 enum { LEFT_OUT = PITH_LAYER_SPARE + 1 };
@@ -91,13 +91,13 @@ static range distance_of(const lapped_solid *self, const extent *box)
     return distance;
 }
 
-/* Judges the entries of a triangle's tet, topmost first. roles: beside the entries; distances: room for as many. Returns
-   how many layers the triangle has. */
+/* Judges the entries of a triangle's tet, topmost first. roles: beside the entries; distances: room for as many.
+   Returns how many layers the triangle has. */
 static uint32_t judge(const lapped_solid *self, const triangle *at, uint8_t *roles, float *distances)
 {
     const uint32_t begin = self->entry_start[at->tet], count = self->entry_start[at->tet + 1] - begin;
     /* The rules for which there are spare layers are needed where nothing hides the rest, and under pastes that lack
-       channels. They never pick what is farther for certain than some other entry is at most. */
+       channels, which come first. They never pick what is farther for certain than some other entry is at most. */
     bool hidden = false, lacking = false;
     float within = INFINITY;
     uint32_t listed = 0;
@@ -125,10 +125,11 @@ static uint32_t judge(const lapped_solid *self, const triangle *at, uint8_t *rol
     return listed;
 }
 
-/* ---- writing ------------------------------------------------------------------------------------------------------- */
+/* ---- writing ----------------------------------------------------------------------------------------------------- */
 
 /* s: at the tet's corners. */
-static pith_lapped_layer layer_of(const lapped_entry *entry, const double s[4], const double weights[3][4], uint8_t role)
+static pith_lapped_layer layer_of(const lapped_entry *entry, const double s[4], const double weights[3][4],
+                                  uint8_t role)
 {
     const uint8_t *f = entry->fade;
     double corners[3][4] = { { 0 } };
@@ -159,7 +160,7 @@ static void write_layers(const lapped_solid *self, uint32_t tet, const double we
         }
 }
 
-/* ---- all triangles --------------------------------------------------------------------------------------------------- */
+/* ---- all triangles ----------------------------------------------------------------------------------------------- */
 
 static pith_status check_triangles(const lapped_solid *self, const uint32_t *tets, const double (*weights)[3][4],
                                    size_t count, pith_error *err)
@@ -171,7 +172,8 @@ static pith_status check_triangles(const lapped_solid *self, const uint32_t *tet
         double sum = 0.0; /* finite only if all of them are */
         for (int c = 0; c < 12; ++c) sum += fabs(weights[i][c / 4][c % 4]);
         if (!isfinite(sum))
-            return pith_fail(err, PITH_BAD_ARGUMENT, "pith_lapped_layers: triangle %zu has weights that are not finite", i);
+            return pith_fail(err, PITH_BAD_ARGUMENT, "pith_lapped_layers: triangle %zu has weights that are not finite",
+                             i);
     }
     return PITH_OK;
 }
@@ -186,14 +188,15 @@ static triangle triangle_of(const lapped_solid *self, uint32_t tet, const double
     return at;
 }
 
-pith_status pith_lapped_layers(const pith_solid *solid, const uint32_t *tets, const double (*weights)[3][4], size_t count,
-                               uint32_t *start, pith_lapped_layer **layers, pith_error *err)
+pith_status pith_lapped_layers(const pith_solid *solid, const uint32_t *tets, const double (*weights)[3][4],
+                               size_t count, uint32_t *start, pith_lapped_layer **layers, pith_error *err)
 {
     if (!solid || solid->class != &lapped_class)
         return pith_fail(err, PITH_BAD_ARGUMENT, "pith_lapped_layers: the solid is of kind %s, expected lapped",
                          solid ? solid->class->kind : "NULL");
     if (!start || !layers || (count > 0 && (!tets || !weights)))
-        return pith_fail(err, PITH_BAD_ARGUMENT, "pith_lapped_layers: tets, weights, start and layers must not be NULL");
+        return pith_fail(err, PITH_BAD_ARGUMENT,
+                         "pith_lapped_layers: tets, weights, start and layers must not be NULL");
     const lapped_solid *self = (const lapped_solid *)solid;
     PITH_TRY(check_triangles(self, tets, weights, count, err));
 
@@ -205,7 +208,7 @@ pith_status pith_lapped_layers(const pith_solid *solid, const uint32_t *tets, co
     uint32_t most = 0;
     size_t *first = pith_alloc(count + 1, sizeof *first);
     uint32_t *listed = pith_alloc(count, sizeof *listed);
-    /* A thread's start costs more than a few triangles; inside a caller's parallel region its threads are busy already. */
+    /* A thread's start costs more than a few triangles; in a caller's parallel region its threads are busy already. */
     enum { FEW = 1000 };
     const int threads = count >= FEW && !omp_in_parallel() ? pith_threads() : 1;
     if (first && listed) {
@@ -250,13 +253,13 @@ done:
     return status;
 }
 
-/* ---- what patches are made of ---------------------------------------------------------------------------------------- */
+/* ---- what patches are made of ------------------------------------------------------------------------------------ */
 
 pith_status pith_lapped_look(const pith_solid *solid, pith_lapped_view *view, pith_error *err)
 {
     if (!solid || solid->class != &lapped_class || !view)
-        return pith_fail(err, PITH_BAD_ARGUMENT, "pith_lapped_look: the solid is of kind %s and view %s, expected lapped "
-                         "and room for the view", solid ? solid->class->kind : "NULL", view ? "is there" : "NULL");
+        return pith_fail(err, PITH_BAD_ARGUMENT, "pith_lapped_look: the solid is of kind %s and view %s, expected "
+                         "lapped and room for the view", solid ? solid->class->kind : "NULL", view ? "is there" : "NULL");
     const lapped_solid *self = (const lapped_solid *)solid;
     *view = (pith_lapped_view){ .solid = solid, .patch_count = self->patch_count, .mask_count = self->mask_count,
                                 .exemplar_count = self->exemplar_count, .channels = solid->channels,
@@ -269,10 +272,10 @@ pith_lapped_patch pith_lapped_patch_look(const pith_lapped_view *view, uint32_t 
     const lapped_solid *self = (const lapped_solid *)view->solid;
     const lapped_patch *patch = &self->patches[index];
     const bool along_s = self->exemplars[patch->exemplar].wraps;
+    const lapped_cut *cut = index < self->cut_count ? &self->cuts[index] : NULL;
     return (pith_lapped_patch){ .offset = { patch->offset[0], along_s ? patch->offset[2] : 0.0f, patch->offset[1] },
                                 .exemplar = patch->exemplar, .mask = patch->mask,
-                                .cut = index < self->cut_count ? (const uint32_t(*)[PITH_LAPPED_CUT])self->cuts[index].rows
-                                                               : NULL };
+                                .cut = cut ? (const uint32_t(*)[PITH_LAPPED_CUT])cut->rows : NULL };
 }
 
 const uint8_t *pith_lapped_mask_look(const pith_lapped_view *view, uint32_t index)

@@ -148,7 +148,8 @@ static bool same_corners(const pith_tets_view *tets, uint32_t t, int k, const pi
 static const struct faces_case { const char *text; bool kept; } faces_cases[] = {
     { FRUIT(", \"tets\": { \"tetrahedra\": 600 } }"), true },
     { PAINTED(ALL_OF_IT ", " CORE), true },
-    { FRUIT(", \"tets\": { \"tetrahedra\": 600 }, \"refine\": { \"depth_above\": 0, \"passes\": 3 } }, " SAMPLE_DEPTH), false },
+    { FRUIT(", \"tets\": { \"tetrahedra\": 600 },"
+            " \"refine\": { \"depth_above\": 0, \"passes\": 3 } }, " SAMPLE_DEPTH), false },
     { FRUIT(", \"tets\": { \"mesher\": \"stuffing\", \"tetrahedra\": 1500 } }"), false },
 };
 
@@ -182,7 +183,8 @@ static void test_faces_of_tets(void **state)
                 }
                 const pith_vec3 middle = face_middle(&t, tet, k);
                 double least = INFINITY;
-                for (uint32_t f = 0; f < m.triangle_count; ++f) least = fmin(least, distance_to_triangle(&m, f, middle));
+                for (uint32_t f = 0; f < m.triangle_count; ++f)
+                    least = fmin(least, distance_to_triangle(&m, f, middle));
                 CHECK_NEAR(distance_to_triangle(&m, face, middle), least, 1e-6); /* the tracer is of single precision */
             }
         assert_true(outer >= m.triangle_count / 2);

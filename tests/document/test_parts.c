@@ -123,7 +123,7 @@ static void test_points_inside_name_pieces(void **state)
 
 /* ---- what is left -------------------------------------------------------------------------------------------------------- */
 
-/* Where a piece of UP and ACROSS is, by the signs of z and x: 0 below left, 1 below right, 2 above left, 3 above right. */
+/* Where a piece of UP and ACROSS is, by the signs of z and x: below left, below right, above left, above right. */
 static int quarter_of(pith_vec3 inside) { return 2 * (inside.z > 0) + (inside.x > 0); }
 
 #define AT(x, z) "\"at\": [" x ", 0.1, " z "]"
@@ -237,7 +237,8 @@ static void test_other_cuts_than_the_documents(void **state)
 static void test_what_changes_nothing_is_told_once(void **state)
 {
     (void)state;
-    opened at = open_text(WITH(UP, "{ " AT("0.3", "0.3") ", \"hidden\": false }, { \"at\": [9, 0.5, 0], \"hidden\": true }"));
+    opened at = open_text(WITH(UP, "{ " AT("0.3", "0.3") ", \"hidden\": false },"
+                                   " { \"at\": [9, 0.5, 0], \"hidden\": true }"));
     const pith_model_piece *pieces;
     const pith_volume_item *parts;
     size_t count;
@@ -318,7 +319,8 @@ static void test_operations(void **state)
     static const char named[] = "[ " OP("hide", P) ", " OP("hide", P ", \"body\": \"core\"") ", "
                                 OP("move", P MOVED ", \"body\": \"core\"") " ]";
     CHECK_OK(pith_document_apply(bare, named, sizeof named - 1, &edited, &err));
-    json_t *expected = json_loads("[ " P_AFTER(1, HIDDEN) ", " P_AFTER(1, HIDDEN MOVED ", \"body\": \"core\"") " ]", 0, NULL);
+    json_t *expected = json_loads("[ " P_AFTER(1, HIDDEN) ", "
+                                   P_AFTER(1, HIDDEN MOVED ", \"body\": \"core\"") " ]", 0, NULL);
     assert_true(json_equal(json_object_get(edited->root, "parts"), expected));
     json_decref(expected);
     pith_document_destroy(edited);
@@ -330,7 +332,8 @@ static const struct refusal { const char *text, *operation, *words; } refusals[]
     { WITH(UP, "{ " AT("0", "0") ", \"after\": 2 }"), NULL, "kiwi.pith: parts[0].after: is 2, but there is 1 cut" },
     { WITH(UP ", " UP, "{ " AT("0", "0") ", \"after\": 3 }"), NULL, "parts[0].after: is 3, but there are 2 cuts" },
     { WITH(UP, "{ " AT("0", "0") ", \"after\": -1 }"), NULL, "parts[0].after: expected a whole number from 0" },
-    { WITH(UP, "{ " AT("0", "0") ", \"hiden\": true }"), NULL, "parts[0]: unknown key \"hiden\"; did you mean \"hidden\"?" },
+    { WITH(UP, "{ " AT("0", "0") ", \"hiden\": true }"), NULL,
+      "parts[0]: unknown key \"hiden\"; did you mean \"hidden\"?" },
     { WITH(UP, "{ " AT("0", "0") ", \"body\": \"a\" }"), NULL,
       "parts[0].body: is \"a\", but the document's only body has no name; leave this out" },
     { TWO("{ " AT("0", "0") ", \"body\": \"cor\" }"), NULL,
@@ -341,7 +344,8 @@ static const struct refusal { const char *text, *operation, *words; } refusals[]
     { WITH(UP, ""), OP("show", ", \"all\": false"), "operation: all: is false, expected true, or \"at\" instead" },
     { WITH(UP, ""), OP("move", P), "operation: \"offset\" is missing" },
     { WITH(UP, ""), OP("together", P), "operation: unknown key \"at\"" },
-    { WITH(UP, ""), OP("hide", P ", \"body\": \"core\""), "what comes out is refused: kiwi.pith: parts[0].body: is \"core\"" },
+    { WITH(UP, ""), OP("hide", P ", \"body\": \"core\""),
+      "what comes out is refused: kiwi.pith: parts[0].body: is \"core\"" },
     { WITH(UP, "{ " AT("0", "0") ", \"after\": 1 }"), "{ \"op\": \"remove\", \"path\": \"cuts\" }",
       "what comes out is refused: kiwi.pith: parts[0].after: is 1, but there are 0 cuts" },
 };

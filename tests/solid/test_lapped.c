@@ -160,7 +160,7 @@ static void test_verdicts_over_boxes_hold_at_their_points(void **state)
     static lapped_mask masks[MASK_KINDS];
     const pith_lapped_options options = pith_lapped_options_default();
     lapped_masks_make(masks, &options);
-    int seen[3] = { 0 };
+    int seen[3] = { 0 }, sharper = 0;
     pith_rng rng = pith_rng_make(3, 9);
     for (int i = 0; i < 20000; ++i) {
         double low[3], high[3], at[3];
@@ -175,7 +175,14 @@ static void test_verdicts_over_boxes_hold_at_their_points(void **state)
         if (verdict == VERDICT_NONE) CHECK_NEAR(alpha, 0.0, 0.0);
         if (verdict == VERDICT_OPAQUE) CHECK_NEAR(alpha, 1.0, 0.0);
         ++seen[verdict];
+        /* By cells: as certain wherever blocks were, and elsewhere too. */
+        const lapped_verdict closely = lapped_mask_closely_over(&masks[kind], low, high);
+        if (closely == VERDICT_NONE) CHECK_NEAR(alpha, 0.0, 0.0);
+        if (closely == VERDICT_OPAQUE) CHECK_NEAR(alpha, 1.0, 1e-6); /* the float may lie a hair beyond the box */
+        if (verdict != VERDICT_PART) assert_int_equal(closely, verdict);
+        sharper += closely != verdict;
     }
+    assert_true(sharper > 300);
     for (int v = VERDICT_NONE; v <= VERDICT_OPAQUE; ++v) assert_true(seen[v] > 500);
 }
 

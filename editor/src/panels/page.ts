@@ -16,8 +16,8 @@ import { statusbar } from './statusbar';
 import { toolstrip } from './toolstrip';
 import { topbar } from './topbar';
 
-/** Builds everything around the view, and lets the keyboard in. */
-export function buildPage(app: App): void {
+/** Builds everything around the view, and lets the keyboard in; gives back what a person can do there. */
+export function buildPage(app: App): Commands {
   const { store } = app, pictures = new Pictures(app);
   let steps: FirstSteps | null = null;
   const commands = new Commands(app, {
@@ -48,7 +48,12 @@ export function buildPage(app: App): void {
   document.getElementById('app')!.append(h('div', { class: 'page' }, topbar(context),
     h('div', { class: 'work' }, toolstrip(context), middle.element, inspector(context)), statusbar(context)));
   installTooltips();
+  // The view shows that it has the focus to those who come by keyboard; a click on it needs no telling.
+  const input = (how: string) => (): void => { document.documentElement.dataset.input = how; };
+  document.addEventListener('pointerdown', input('pointer'), true);
+  document.addEventListener('keydown', input('keys'), true);
   installKeyboard(app, commands);
+  return commands;
 }
 
 /* The first theme is the system's; a choice is remembered. */

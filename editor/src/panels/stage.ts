@@ -80,9 +80,9 @@ function depthScale({ app }: Context): HTMLElement {
 /* One sentence in the middle while there is nothing to see, and the button that changes it. */
 function middle(context: Context): HTMLElement {
   const { app } = context, host = h('div', { class: 'stage-middle' });
-  live(app.store, host, ['document', 'bodies', 'jobs', 'serial', 'connection', 'body'], (state) => {
+  live(app.store, host, ['document', 'bodies', 'jobs', 'serial', 'connection', 'body', 'tool'], (state) => {
     if (state.connection === 'connecting') return 'connecting';
-    if (state.bodies.length === 0) return null;
+    if (state.bodies.length === 0 || state.tool !== 'select') return null; // a tool needs the place
     if (!solidOf(state)) return 'no solid';
     const built = app.model.solids.size > 0 || state.bodies.some((body) => body.built.solid || body.shown);
     return built || isBusy(state) ? null : state.bodies[state.body]?.why ? 'why' : 'not built';

@@ -142,8 +142,12 @@ export class Viewport {
     for (const call of this.onView) call();
   }
 
-  /** The document's camera, used for the first picture; `framed` again when another document comes. */
-  statedCamera: Json | undefined;
+  private statedCamera: Json | undefined;
+  /** Takes the document's camera for the first picture, also when the packets came first; not from under a hand. */
+  stateCamera(camera: Json | undefined): void {
+    this.statedCamera = camera;
+    if (this.view && !this.touched) this.table.fromDocument(camera);
+  }
   private staleBodies: Set<number> = new Set();
 
   /** Bodies whose solid is not that of the present document: they are drawn paler. */
