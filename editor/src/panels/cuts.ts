@@ -60,7 +60,7 @@ function cutMore({ app }: Context, cut: Json, path: string, keep: string): HTMLE
     keep === 'both' && row('Gap', slider('Gap', gap, cut.gap ?? 0, (value) => void setValue(app, 'Set gap', `${path}.gap`, value),
       { key: `${path}.gap` }).element, { tip: 'How far both sides are moved apart.' }),
     row('Separate pieces', checkbox('', cut.separate ?? false, (on) => void setValue(app, on ? 'Separate pieces' : 'Join pieces', `${path}.separate`, on),
-      { key: `${path}.separate`, look: 'switch' }).element, { tip: 'Pieces that do not hang together become parts of their own.' }),
+      { key: `${path}.separate`, look: 'switch', name: 'Separate pieces' }).element, { tip: 'Pieces that do not hang together become parts of their own.' }),
     cut.stroke && optionRows(app, `${path}.stroke`, { of: 'cut' }));
 }
 

@@ -77,11 +77,11 @@ export function rove(event: KeyboardEvent, buttons: HTMLElement[], press = true)
   if (press) buttons[next].click();
 }
 
-/** Yes or no. */
+/** Yes or no. A label of '' is for one that stands in a row; `name` is its name then. */
 export function checkbox(label: string, value: boolean, choose: (value: boolean) => void,
-  options: { key?: string; tip?: string; look?: 'switch' } = {}): Control<boolean> {
+  options: { key?: string; tip?: string; look?: 'switch'; name?: string } = {}): Control<boolean> {
   const input = h('input', {
-    type: 'checkbox', class: options.look ?? 'check', 'data-key': options.key, role: options.look ? 'switch' : null,
+    type: 'checkbox', class: options.look ?? 'check', 'data-key': options.key, role: options.look ? 'switch' : null, 'aria-label': options.name,
     onchange: () => choose(input.checked),
   });
   input.checked = value;
