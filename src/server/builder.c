@@ -275,6 +275,10 @@ static bool is_stream(const job *at, const void *wanted)
 {
     return at->kind == JOB_PICTURE && strcmp(at->picture.stream, wanted) == 0;
 }
+static bool is_for(const job *at, const void *socket)
+{
+    return at->kind == JOB_PICTURE && at->picture.socket == *(const uint32_t *)socket;
+}
 static bool is_any(const job *at, const void *wanted) { return (void)at, (void)wanted, true; }
 
 /* Takes the job over; gives its number. */
@@ -292,8 +296,24 @@ static uint32_t add_job(builder *own, job *added)
     return number;
 }
 
+/* The number of an update that builds this and goes on; 0: there is none. The lock is held. */
+static uint32_t find_update(const builder *own, job_kind what, uint64_t signature)
+{
+    for (const job *at = own->running ? own->running : own->waiting; at;
+         at = at == own->running ? own->waiting : at->next) {
+        const bool covers = at->kind == JOB_SOLID || at->kind == what;
+        if (at->kind != JOB_PICTURE && covers && at->signature == signature && !atomic_load(&at->cancelled))
+            return at->number;
+    }
+    return 0;
+}
+
 uint32_t builder_update(builder *own, held_document *held, job_kind what, uint64_t signature)
 {
+    pthread_mutex_lock(&own->lock);
+    const uint32_t number = find_update(own, what, signature);
+    pthread_mutex_unlock(&own->lock);
+    if (number) return number; /* only the caller's thread adds jobs */
     job *added = pith_alloc(1, sizeof *added);
     if (!added) return 0;
     added->kind = what;
@@ -327,14 +347,17 @@ void builder_cancel_updates(builder *own)
     pthread_mutex_unlock(&own->lock);
 }
 
+void builder_cancel_pictures(builder *own, uint32_t socket)
+{
+    pthread_mutex_lock(&own->lock);
+    cancel_where(own, is_for, &socket);
+    pthread_mutex_unlock(&own->lock);
+}
+
 bool builder_is_at(builder *own, job_kind what, uint64_t signature)
 {
-    bool found = false;
     pthread_mutex_lock(&own->lock);
-    const job *at = own->running ? own->running : own->waiting;
-    for (; at && !found; at = at == own->running ? own->waiting : at->next)
-        found = (at->kind == JOB_SOLID || at->kind == what) && at->kind != JOB_PICTURE && at->signature == signature &&
-                !atomic_load(&at->cancelled);
+    const bool found = find_update(own, what, signature) != 0;
     pthread_mutex_unlock(&own->lock);
     return found;
 }

@@ -42,7 +42,7 @@ pith_status builder_create(outbox *out, bool cache, const builder_calls *calls, 
 void builder_destroy(builder *gone);
 
 /* Each gives the number of the job (from 1), or 0 when memory is out. signature: what the document says about what is
-   built (bodies.h). */
+   built (bodies.h); an update that builds the same and has not ended is not begun twice, and its number is given. */
 uint32_t builder_update(builder *own, held_document *held, job_kind what, uint64_t signature);
 uint32_t builder_picture(builder *own, const picture_wish *wish);
 /* False when there is no such job any more. */
@@ -51,8 +51,9 @@ bool builder_cancel(builder *own, uint32_t job);
 bool builder_is_at(builder *own, job_kind what, uint64_t signature);
 /* Was the update that began last one for this, and is it done? */
 bool builder_has_done(builder *own, job_kind what, uint64_t signature);
-/* Cancels every update that waits or runs. */
+/* Cancels every update that waits or runs, and every picture for this socket. */
 void builder_cancel_updates(builder *own);
+void builder_cancel_pictures(builder *own, uint32_t socket);
 
 /* The last update that failed: for what, in which body (an index), and why. signature 0: none has since the last that
    was done. */

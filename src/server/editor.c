@@ -153,6 +153,8 @@ void editor_message(editor *own, uint32_t socket, bool binary, const unsigned ch
     packet_view_end(&upload);
 }
 
+void editor_gone(editor *own, uint32_t socket) { builder_cancel_pictures(own->build, socket); }
+
 /* ---- life ---------------------------------------------------------------------------------------------------------- */
 
 file_places editor_places(const editor *own)

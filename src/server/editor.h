@@ -49,6 +49,9 @@ void editor_woken(editor *own);
 void editor_message(editor *own, uint32_t socket, bool binary, const unsigned char *bytes, size_t size,
                     void (*admit)(void *user, uint32_t socket), void *user);
 
+/* The socket is closed: what only it would have got is not made. */
+void editor_gone(editor *own, uint32_t socket);
+
 /* Where pages may reach; borrowed from the editor. */
 file_places editor_places(const editor *own);
 

@@ -27,6 +27,14 @@ static void scene_clear(pack_scene *scene)
     pith_free(scene->pieces);
 }
 
+/* The depth field of a body, where it is built; NULL without one. */
+static const double *depth_of(pith_model *body)
+{
+    const double *depth = NULL;
+    if (!pith_model_built(body).fields || pith_model_fields(body, &depth, NULL, NULL, NULL) != PITH_OK) return NULL;
+    return depth;
+}
+
 /* Takes a piece in; with a shell it has triangles and their weights. */
 static pith_status scene_add(pack_scene *scene, const pack_piece *piece, pith_error *err)
 {
@@ -39,7 +47,7 @@ static pith_status scene_add(pack_scene *scene, const pack_piece *piece, pith_er
     pith_shell_weights(to->shell, to->weights);
     scene->vertices += to->view.vertex_count;
     scene->triangles += to->view.triangle_count;
-    scene->has_depth = scene->has_depth || pith_model_built(to->body).fields;
+    scene->has_depth = scene->has_depth || depth_of(to->body);
     scene->moved = scene->moved || memcmp(to->view.positions, to->view.material,
                                           to->view.vertex_count * sizeof *to->view.positions) != 0;
     return PITH_OK;
@@ -118,11 +126,8 @@ static pith_status put_depths(packet_maker *maker, const pack_scene *scene, pith
         const pack_piece *piece = &scene->pieces[p];
         const pith_shell_view *view = &piece->view;
         const pith_tets *tets;
-        const double *depth = NULL;
-        if (piece->shell && pith_model_built(piece->body).fields) {
-            PITH_TRY(pith_model_tets(piece->body, &tets, NULL, err));
-            PITH_TRY(pith_model_fields(piece->body, &depth, NULL, NULL, err));
-        }
+        const double *depth = piece->shell ? depth_of(piece->body) : NULL;
+        if (depth) PITH_TRY(pith_model_tets(piece->body, &tets, NULL, err));
         for (uint32_t t = 0; depth && t < view->triangle_count; ++t) {
             const uint32_t *corners = pith_tets_look(tets).tets[view->source_tet[t]];
             for (int k = 0; k < 3; ++k) {

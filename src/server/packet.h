@@ -19,8 +19,9 @@ packet *packet_hold(packet *shared);    /* NULL is allowed, in both; from any th
 void packet_release(packet *shared);
 const unsigned char *packet_bytes(const packet *made, size_t *size);
 bool packet_is_binary(const packet *made);
-/* What a packet tells that a newer one tells better: "view", "job/7". A newer packet of the same slot takes the place of
-   one that waits at a socket whose page is slow. "", as made: none does. Set before the packet is shared. */
+/* What a packet tells that a newer one tells better: "view", "job/7". A newer packet takes the place of those of the same
+   slot that wait at a socket whose page is slow, and of those of slots below it: "mesh/0" of "mesh/0/paint", too. "", as
+   made: of none. Set before the packet is shared. */
 const char *packet_slot(const packet *made);
 void packet_set_slot(packet *made, const char *format, ...) __attribute__((format(printf, 2, 3)));
 

@@ -121,7 +121,9 @@ pith_status do_update(editor *own, request *asked, pith_error *err)
 {
     held_document *held = session_present(own->opened);
     const job_kind what = strcmp(request_text(asked, "what", ""), "solid") == 0 ? JOB_SOLID : JOB_FIELDS;
-    const uint32_t job = builder_update(own->build, held, what, document_build_signature(held));
+    const uint64_t signature = document_build_signature(held);
+    if (!builder_is_at(own->build, what, signature)) builder_cancel_updates(own->build); /* of former documents */
+    const uint32_t job = builder_update(own->build, held, what, signature);
     if (job == 0) return PITH_OUT_OF_MEMORY(err, "a job");
     own->declined = 0;
     json_object_set_new(asked->answer, "job", json_integer(job));

@@ -25,6 +25,7 @@ static void on_woken(void *user)
 {
     pith_server *server = user;
     uint32_t socket;
+    if (!server->desk) return;
     editor_woken(server->desk);
     for (packet *content; outbox_take(server->out, &socket, &content);) {
         transport_send(server->sockets, socket, content);
@@ -42,10 +43,17 @@ static void on_message(void *user, uint32_t socket, bool binary, const unsigned 
     on_woken(server);
 }
 
+/* Also while the sockets are closed at the end, when the editor has gone before them. */
+static void on_closed(void *user, uint32_t socket)
+{
+    pith_server *server = user;
+    if (server->desk) editor_gone(server->desk, socket);
+}
+
 static pith_status fill_server(pith_server *made, const char *path, const pith_server_options *options, pith_error *err)
 {
     const editor_options desk = { options->examples, options->cache, options->automatic };
-    const transport_calls calls = { on_message, on_woken, made };
+    const transport_calls calls = { on_message, on_closed, on_woken, made };
     if (!options->page) return pith_fail(err, PITH_BAD_ARGUMENT, "the folder of the page is not given");
     PITH_TRY(page_files_read(options->page, &made->files, err));
     PITH_TRY(outbox_create(wake, made, &made->out, err));
@@ -72,6 +80,7 @@ void pith_server_destroy(pith_server *server)
 {
     if (!server) return;
     editor_close(server->desk);
+    server->desk = NULL;
     transport_destroy(server->sockets);
     outbox_destroy(server->out);
     page_files_destroy(server->files);

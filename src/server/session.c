@@ -61,6 +61,7 @@ pith_status document_count(pith_document *document, held_document **made, pith_e
 typedef struct step {
     char name[NAME_ROOM];
     char *text;                 /* of the document */
+    size_t size;                /* of the text */
     held_document *held;        /* NULL: only the text is kept */
 } step;
 
@@ -166,14 +167,14 @@ static void forget_old(session *own)
 {
     size_t text = 0;
     for (size_t i = 0; i < own->count; ++i) {
-        text += strlen(own->steps[i].text);
+        text += own->steps[i].size;
         const size_t distance = i < own->at ? own->at - i : i - own->at;
         if (distance <= KEPT_DOCUMENTS) continue;
         document_release(own->steps[i].held);
         own->steps[i].held = NULL;
     }
     while (text > most_text && own->at > 0) {
-        text -= strlen(own->steps[0].text);
+        text -= own->steps[0].size;
         clear_step(&own->steps[0]);
         memmove(own->steps, own->steps + 1, --own->count * sizeof *own->steps);
         own->steps[own->count] = (step){ .text = NULL };
@@ -211,6 +212,7 @@ static pith_status add_step(session *own, const char *name, held_document *held,
     step *to = &own->steps[index];
     copy_name(to->name, name);
     to->text = text;
+    to->size = length;
     to->held = document_hold(held);
     own->count = index + 1;
     set_present(own, index, held);
@@ -381,7 +383,8 @@ static pith_status fill_session(session *own, const char *path, pith_error *err)
         document_release(held);
         return PITH_OUT_OF_MEMORY(err, "the history");
     }
-    strcpy(own->steps[0].text, held->text);
+    own->steps[0].size = strlen(held->text);
+    memcpy(own->steps[0].text, held->text, own->steps[0].size);
     own->steps[0].held = document_hold(held);
     own->count = 1;
     set_present(own, 0, held);

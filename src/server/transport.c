@@ -245,11 +245,16 @@ static void drop_first(seat *own)
 
 static void on_closed(transport *server, seat *own)
 {
-    for (int i = 0; i < MOST_SOCKETS; ++i)
-        if (server->seats[i] == own) server->seats[i] = NULL;
+    bool known = false;
+    for (int i = 0; i < MOST_SOCKETS; ++i) {
+        if (server->seats[i] != own) continue;
+        server->seats[i] = NULL;
+        known = true;
+    }
     while (own->first) drop_first(own);
     pith_free(own->received);
     own->received = NULL;
+    if (known) server->calls.closed(server->calls.user, own->number);
 }
 
 static int on_receive(transport *server, seat *own, const void *bytes, size_t size)
@@ -300,6 +305,13 @@ static int on_writeable(transport *server, seat *own)
     return 0;
 }
 
+/* Is this slot the other, or below it? */
+static bool is_in_slot(const char *own, const char *slot)
+{
+    const size_t length = strlen(slot);
+    return strncmp(own, slot, length) == 0 && (own[length] == 0 || own[length] == '/');
+}
+
 /* Takes out what waits in the slot and is not under way. */
 static void drop_slot(seat *own, const char *slot)
 {
@@ -307,7 +319,7 @@ static void drop_slot(seat *own, const char *slot)
     if (*at && own->begun) at = &(*at)->next;
     while (*at) {
         waiting *here = *at;
-        if (strcmp(packet_slot(here->content), slot) != 0) {
+        if (!is_in_slot(packet_slot(here->content), slot)) {
             at = &here->next;
             continue;
         }

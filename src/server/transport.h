@@ -16,6 +16,7 @@ typedef struct transport transport;
 /* Calls from inside transport_serve. Sockets are numbered from 1, and no number is used twice. */
 typedef struct transport_calls {
     void (*message)(void *user, uint32_t socket, bool binary, const unsigned char *bytes, size_t size);
+    void (*closed)(void *user, uint32_t socket);
     void (*woken)(void *user);  /* after transport_wake; several wakes may make one call */
     void *user;
 } transport_calls;

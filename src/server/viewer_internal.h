@@ -34,6 +34,7 @@ typedef struct viewer_orders {
 typedef struct sent_body {
     const void *mesh, *solid;
     uint64_t paint;
+    bool repainted;             /* the mesh packet has older paint: pages were sent the new one alone */
     packet *mesh_packet, *solid_packet;
 } sent_body;
 

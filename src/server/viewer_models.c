@@ -119,9 +119,9 @@ void viewer_take_model(viewer *own, built_model *made)
 static pack_stamp stamp(viewer *own) { return (pack_stamp){ .revision = own->revision, .serial = ++own->serial }; }
 
 /* Keeps the packet for those who come later, and sends it to those who are there. */
-static void send(viewer *own, packet *made, packet **kept, const char *kind, const char *name)
+static void send(viewer *own, packet *made, packet **kept, const char *kind, size_t index)
 {
-    packet_set_slot(made, "%s/%s", kind, name);
+    packet_set_slot(made, "%s/%zu", kind, index);
     packet_release(*kept);
     *kept = packet_hold(made);
     outbox_put(own->out, OUTBOX_ALL, made);
@@ -138,7 +138,7 @@ static pith_model *shown_body(const viewer *own, const char *name)
     return NULL;
 }
 
-/* The whole mesh is kept for those who come later; those who are there and have it get the paint alone. */
+/* Pages that have the mesh get the paint alone; the whole is made again for the next that comes. */
 static pith_status refresh_mesh(viewer *own, pith_model *body, size_t index, const char *name, pith_error *err)
 {
     sent_body *sent = &own->sent[index];
@@ -148,25 +148,18 @@ static pith_status refresh_mesh(viewer *own, pith_model *body, size_t index, con
     PITH_TRY(pith_model_mesh(body, &mesh, NULL, err));
     if (mesh == sent->mesh && paint == sent->paint) return PITH_OK;
     const bool paint_only = mesh == sent->mesh;
-    const pack_stamp whole = stamp(own);
+    const pack_stamp mark = stamp(own);
     packet *made = NULL;
-    PITH_TRY(pack_mesh(body, index, name, false, &whole, &made, err));
+    PITH_TRY(pack_mesh(body, index, name, paint_only, &mark, &made, err));
     if (paint_only) {
-        packet *painted = NULL;
-        const pith_status status = pack_mesh(body, index, name, true, &whole, &painted, err);
-        if (status != PITH_OK) {
-            packet_release(made);
-            return status;
-        }
-        packet_release(sent->mesh_packet);
-        sent->mesh_packet = made;
-        packet_set_slot(painted, "paint/%s", name);
-        outbox_put(own->out, OUTBOX_ALL, painted);
+        packet_set_slot(made, "mesh/%zu/paint", index);
+        outbox_put(own->out, OUTBOX_ALL, made);
     } else {
-        send(own, made, &sent->mesh_packet, "mesh", name);
+        send(own, made, &sent->mesh_packet, "mesh", index);
     }
     sent->mesh = mesh;
     sent->paint = paint;
+    sent->repainted = paint_only;
     return PITH_OK;
 }
 
@@ -180,7 +173,7 @@ static pith_status refresh_solid(viewer *own, pith_model *body, size_t index, co
     const pack_stamp mark = stamp(own);
     packet *made = NULL;
     PITH_TRY(pack_solid(body, index, name, &mark, &made, err));
-    send(own, made, &sent->solid_packet, "solid", name);
+    send(own, made, &sent->solid_packet, "solid", index);
     sent->solid = solid;
     return PITH_OK;
 }
@@ -192,7 +185,7 @@ static pith_status refresh_view(viewer *own, pith_error *err)
     const pack_stamp mark = stamp(own);
     packet *made = NULL;
     PITH_TRY(pack_view(viewer_shown(own)->model, &mark, &made, err));
-    send(own, made, &own->view_packet, "view", "");
+    send(own, made, &own->view_packet, "view", 0);
     return PITH_OK;
 }
 
@@ -251,9 +244,31 @@ void viewer_refresh(viewer *own)
     own->gone_count = 0;
 }
 
+/* The whole mesh with the paint of now. */
+static void repack_mesh(viewer *own, size_t index)
+{
+    pith_error err = { PITH_OK, "" };
+    sent_body *sent = &own->sent[index];
+    pith_model *body = NULL;
+    packet *made = NULL;
+    const pack_stamp mark = stamp(own);
+    const char *name = pith_document_body_name(own->present->held->document, index);
+    if (pith_model_body(own->present->model, index, &body, &err) == PITH_OK && !pith_model_built(body).mesh)
+        return; /* the shape is another by now, and the new mesh is on the way */
+    if (!body || pack_mesh(body, index, name, false, &mark, &made, &err) != PITH_OK) {
+        viewer_complain(own, &err);
+        return;
+    }
+    packet_set_slot(made, "mesh/%zu", index);
+    packet_release(sent->mesh_packet);
+    sent->mesh_packet = made;
+    sent->repainted = false;
+}
+
 void viewer_send_all(viewer *own, uint32_t socket)
 {
     for (size_t i = 0; i < own->sent_count; ++i) {
+        if (own->sent[i].repainted) repack_mesh(own, i);
         outbox_put(own->out, socket, packet_hold(own->sent[i].mesh_packet));
         outbox_put(own->out, socket, packet_hold(own->sent[i].solid_packet));
     }

@@ -37,9 +37,9 @@ typedef struct lapped_mask {
     /* Least and greatest alpha any point of a block (3 cells wide) can get by trilinear lookup. */
     uint8_t least[MASK_BLOCKS][MASK_BLOCKS][MASK_BLOCKS];
     uint8_t greatest[MASK_BLOCKS][MASK_BLOCKS][MASK_BLOCKS];
-    /* [t][s] bit r: cells of trilinear lookups, between the middles of eight cells of alpha, that are opaque all over
-       and that are not clear all over. */
-    uint64_t whole_cells[MASK_CELLS][MASK_CELLS], some_cells[MASK_CELLS][MASK_CELLS];
+    /* [t][s], bit r: cells of trilinear lookups, between the middles of eight cells of alpha, that are not opaque all
+       over ([0]) and that are not clear all over ([1]). */
+    uint64_t cells[MASK_CELLS][MASK_CELLS][2];
 } lapped_mask;
 
 /* The three masks of a fill, for patches in the outer, middle and inner part; types 0 use the middle one alone. */

@@ -104,8 +104,8 @@ static void all_cells(lapped_mask *mask)
         for (int j = 0; j < MASK_CELLS; ++j) {
             const uint64_t all = opaque[k][j] & opaque[k][j + 1] & opaque[k + 1][j] & opaque[k + 1][j + 1];
             const uint64_t none = clear[k][j] & clear[k][j + 1] & clear[k + 1][j] & clear[k + 1][j + 1];
-            mask->whole_cells[k][j] = all & all >> 1;
-            mask->some_cells[k][j] = ~(none & none >> 1);
+            mask->cells[k][j][0] = ~(all & all >> 1);
+            mask->cells[k][j][1] = ~(none & none >> 1);
         }
 }
 
@@ -184,13 +184,13 @@ lapped_verdict lapped_mask_closely_over(const lapped_mask *mask, const double lo
     }
     const uint64_t all = ((uint64_t)2 << to[0]) - ((uint64_t)1 << from[0]);
     const bool inside = low[0] > 0.0 && high[0] < 1.0 && low[2] > 0.0 && high[2] < 1.0;
-    uint64_t some = 0, whole = inside ? all : 0;
+    uint64_t lacks = inside ? 0 : all, has = 0;
     for (int k = from[2]; k <= to[2]; ++k) {
         for (int j = from[1]; j <= to[1]; ++j) {
-            whole &= mask->whole_cells[k][j];
-            some |= mask->some_cells[k][j];
+            lacks |= mask->cells[k][j][0];
+            has |= mask->cells[k][j][1];
         }
-        if ((some & all) && whole != all) return VERDICT_PART;
+        if ((lacks & all) && (has & all)) return VERDICT_PART;
     }
-    return whole == all ? VERDICT_OPAQUE : VERDICT_NONE;
+    return lacks & all ? VERDICT_NONE : VERDICT_OPAQUE;
 }

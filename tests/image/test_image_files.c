@@ -117,6 +117,11 @@ static void test_png_bytes_do_not_change(void **state)
     }
     pith_threads_set(0);
     assert_true(hash[0] == hash[1]);
+    unsigned char *encoded = NULL; /* and without a file they are the same */
+    size_t encoded_size = 0;
+    CHECK_OK(pith_image_encode_png(image, &encoded, &encoded_size, &err));
+    assert_true(pith_hash_bytes(encoded, encoded_size, 0) == hash[0]);
+    pith_free(encoded);
     pith_image_destroy(image);
     unlink(path);
 }

@@ -139,16 +139,37 @@ static void test_paint_is_seen_at_once(void **state)
     assert_true(flag(body, "mesh") && flag(body, "tets") && !flag(body, "fields") && !flag(body, "solid"));
     assert_false(flag(body, "shown"));
     assert_int_equal(count_of(at, from, "kind", "view"), 0); /* the old solid stays in sight */
+
+    /* A page that comes now gets the whole mesh, with the paint of now: face 3 is at 0.5, the others are at 0. */
+    const size_t later = at->count;
+    ASK(at, "\"do\": \"hello\"");
+    const size_t i = desk_wait(at, later, "kind", "mesh", NULL);
+    const json_t *arrays = json_object_get(at->heard[i].text, "arrays"), *painted = json_object_get(arrays, "painted");
+    assert_non_null(json_object_get(arrays, "positions"));
+    size_t size;
+    uint32_t length;
+    const unsigned char *bytes = packet_bytes(at->heard[i].content, &size);
+    memcpy(&length, bytes, 4);
+    float depths[4];
+    memcpy(depths, bytes + 4 + length + json_integer_value(json_array_get(painted, 0)), sizeof depths);
+    CHECK_NEAR(depths[2], 0.0, 0.0);
+    CHECK_NEAR(depths[3], 0.5, 0.0);
     desk_close(at);
+}
+
+/* One that takes long enough to be caught while it is built. */
+static void write_large_document(void)
+{
+    char text[2000];
+    snprintf(text, sizeof text, "%s", SAMPLE_DOCUMENT);
+    memcpy(strstr(text, "\"tetrahedra\": 300"), "\"tetrahedra\":9000", 17);
+    write_text("kiwi.pith", text);
 }
 
 static void test_a_cancelled_update_does_not_come_back(void **state)
 {
     (void)state;
-    char text[2000];
-    snprintf(text, sizeof text, "%s", SAMPLE_DOCUMENT);
-    memcpy(strstr(text, "\"tetrahedra\": 300"), "\"tetrahedra\":9000", 17); /* long enough to be cancelled */
-    write_text("kiwi.pith", text);
+    write_large_document();
     desk *at = desk_open(true, false);
     const size_t running = desk_wait(at, 0, "event", "job", "running");
     ASK(at, "\"do\": \"cancel\", \"job\": %lld", (long long)whole_of(at->heard[running].text, "job"));
@@ -160,6 +181,20 @@ static void test_a_cancelled_update_does_not_come_back(void **state)
     for (size_t i = 0; i < at->count; ++i) assert_true(whole_of(at->heard[i].text, "job") <= 1);
     ASK(at, "\"do\": \"update\", \"what\": \"fields\""); /* but it can be asked for */
     desk_wait(at, 0, "event", "job", "done");
+    desk_close(at);
+}
+
+static void test_an_update_is_asked_for_once(void **state)
+{
+    (void)state;
+    write_large_document();
+    desk *at = desk_open(false, false);
+    const json_int_t first = whole_of(ASK(at, "\"do\": \"update\", \"what\": \"solid\""), "job");
+    assert_int_equal(whole_of(ASK(at, "\"do\": \"update\", \"what\": \"solid\""), "job"), first);
+    assert_int_equal(whole_of(ASK(at, "\"do\": \"update\", \"what\": \"fields\""), "job"), first);
+    apply(at, paint); /* the document is another: what was under way is of no use */
+    assert_int_equal(whole_of(ASK(at, "\"do\": \"update\", \"what\": \"solid\""), "job"), first + 1);
+    desk_wait(at, 0, "event", "job", "cancelled");
     desk_close(at);
 }
 
@@ -339,6 +374,18 @@ static void test_a_newer_picture_of_a_stream_cancels_the_older(void **state)
     desk_close(at);
 }
 
+static void test_nobody_makes_pictures_for_a_page_that_is_gone(void **state)
+{
+    (void)state;
+    desk *at = desk_open(false, false);
+    ASK(at, "\"do\": \"picture\", \"width\": 900, \"height\": 900, \"samples\": 64");
+    desk_wait(at, 0, "event", "job", "running");
+    editor_gone(at->own, 2); /* somebody else */
+    editor_gone(at->own, 1);
+    desk_wait(at, 0, "event", "job", "cancelled");
+    desk_close(at);
+}
+
 /* ---- several bodies ------------------------------------------------------------------------------------------------ */
 
 static void test_bodies_are_told_apart(void **state)
@@ -380,6 +427,7 @@ int main(void)
         TEST(test_what_a_change_calls_for_starts_by_itself),
         TEST(test_paint_is_seen_at_once),
         TEST(test_a_cancelled_update_does_not_come_back),
+        TEST(test_an_update_is_asked_for_once),
         TEST(test_what_cannot_be_built_says_why_and_is_not_tried_again),
         TEST(test_questions_wait_for_a_model),
         TEST(test_sections_and_lines_on_what_is_seen),
@@ -387,6 +435,7 @@ int main(void)
         TEST(test_exemplars_are_made_for_looking),
         TEST(test_pictures_come_coarse_then_fine),
         TEST(test_a_newer_picture_of_a_stream_cancels_the_older),
+        TEST(test_nobody_makes_pictures_for_a_page_that_is_gone),
         TEST(test_bodies_are_told_apart),
     };
     return cmocka_run_group_tests(tests, make_folder, drop_folder);

@@ -34,6 +34,7 @@ typedef struct scene {
     const char *name;
     model m;
     pith_grid *exemplar, *pasted[2];
+    pith_vec3 pasted_at[2];
     double *scale;
     pith_solid *solid;
     const pith_solid *asked;    /* the solid, or the document's */
@@ -64,6 +65,7 @@ static void paste_two(scene *s, uint32_t channels)
         { .exemplar = s->pasted[0], .point = pith_lerp(middle, other, 0.5), .up = { 1, 1, 0 }, .along = { 0, 0.5, 1 },
           .size = 1.1, .mask_radius = 0.45, .drop_off = 0.1 },
     };
+    for (int i = 0; i < 2; ++i) s->pasted_at[i] = pastes[i].point;
     pith_solid *both = NULL;
     CHECK_OK(pith_lapped_paste(s->solid, pastes, 2, &both, &err));
     pith_solid_destroy(s->solid);
@@ -133,13 +135,20 @@ static void random_weights(pith_rng *rng, double w[4])
     for (int k = 0; k < 4; ++k) w[k] /= sum;
 }
 
-/* Triangles in random tets, of all sizes down to points. */
+static bool near_paste(const scene *s, uint32_t tet)
+{
+    const pith_vec3 corner = s->tets.positions[s->tets.tets[tet][0]];
+    return pith_distance(corner, s->pasted_at[0]) < 0.8 || pith_distance(corner, s->pasted_at[1]) < 0.8;
+}
+
+/* Triangles in random tets, of all sizes down to points; where there are pastes, most of them there. */
 static triangles random_triangles(const scene *s, size_t count)
 {
     triangles of = triangles_of(count);
     pith_rng rng = pith_rng_make(5, 1);
     for (size_t i = 0; i < count; ++i) {
-        of.tets[i] = pith_rng_below(&rng, s->tets.tet_count);
+        do of.tets[i] = pith_rng_below(&rng, s->tets.tet_count);
+        while (s->pasted[0] && i % 4 > 0 && !near_paste(s, of.tets[i]));
         const double size = pow(0.001, pith_rng_unit(&rng));
         random_weights(&rng, of.weights[i][0]);
         for (int c = 1; c < 3; ++c) {
