@@ -33,7 +33,8 @@ export class Commands {
   readonly all: Command[];
 
   constructor(private readonly app: App, verbs: PageVerbs) {
-    this.all = [...this.ofDocument(), ...this.ofBuilding(verbs), ...this.ofView(verbs), ...this.ofParts(), ...this.ofPage(verbs)];
+    this.all = [...this.ofDocument(), ...this.ofBuilding(verbs), ...this.ofView(verbs), ...this.ofParts(),
+      ...this.ofPage(verbs)];
   }
 
   /** The command of this id. */
@@ -53,13 +54,15 @@ export class Commands {
   private ofDocument(): Command[] {
     const { store, actions } = this.app, { state } = store;
     return [
-      { id: 'undo', label: 'Undo', group: 'Document', keys: ['Ctrl+Z'], insists: true, why: () => (state.undo.length ? null : 'There is nothing to undo.'),
+      { id: 'undo', label: 'Undo', group: 'Document', keys: ['Ctrl+Z'], insists: true,
+        why: () => (state.undo.length ? null : 'There is nothing to undo.'),
         run: () => void actions.undo() },
       { id: 'redo', label: 'Redo', group: 'Document', keys: ['Ctrl+Shift+Z', 'Ctrl+Y'], insists: true,
         why: () => (state.redo.length ? null : 'There is nothing to redo.'), run: () => void actions.redo() },
       { id: 'save', label: 'Save', group: 'Document', keys: ['Ctrl+S'], run: () => void save(this.app) },
       { id: 'save-as', label: 'Save as…', group: 'Document', keys: ['Ctrl+Shift+S'],
-        run: () => askText('Save as', 'File name, in the document’s folder', state.file, 'Save', (file) => void save(this.app, { file })) },
+        run: () => askText('Save as', 'File name, in the document’s folder', state.file, 'Save',
+          (file) => void save(this.app, { file })) },
       { id: 'revert', label: 'Go back to the saved document', group: 'Document', keys: [],
         why: () => (state.saved ? 'The document is as it was saved.' : null), run: () => void actions.revert() },
     ];
@@ -69,8 +72,10 @@ export class Commands {
     const { store, actions } = this.app, { state } = store;
     const job = () => state.jobs.find((each) => each.state === 'running' || each.state === 'waiting');
     return [
-      { id: 'update', label: 'Update', group: 'Build', keys: ['U'], why: () => updateObstacle(this.app), run: () => void actions.update('solid') },
-      { id: 'automatic', label: 'Update after every change', group: 'Build', keys: [], run: () => void actions.automatic(!state.automatic) },
+      { id: 'update', label: 'Update', group: 'Build', keys: ['U'], why: () => updateObstacle(this.app),
+        run: () => void actions.update('solid') },
+      { id: 'automatic', label: 'Update after every change', group: 'Build', keys: [],
+        run: () => void actions.automatic(!state.automatic) },
       { id: 'cancel', label: 'Stop what is being made', group: 'Build', keys: [],
         why: () => (job() ? null : 'Nothing is being made.'), run: () => void actions.cancel(job()!.job) },
       { id: 'type', label: 'Choose the texture type…', group: 'Build', keys: ['Y'], run: verbs.chooseType },
@@ -80,21 +85,26 @@ export class Commands {
   private ofView(verbs: PageVerbs): Command[] {
     const { store, viewport } = this.app, { state } = store;
     const from = (id: string, label: string, keys: string[], direction: number[]): Command => ({
-      id: `from-${id}`, label, group: 'View', keys, run: () => viewport.table.lookFrom(new Vector3(...direction), new Vector3(0, 0, 1)),
+      id: `from-${id}`, label, group: 'View', keys,
+      run: () => viewport.table.lookFrom(new Vector3(...direction), new Vector3(0, 0, 1)),
     });
     const modes: ViewMode[] = ['solid', 'depth', 'shape', 'volume'];
     return [
       { id: 'frame', label: 'Show everything', group: 'View', keys: ['F'], run: () => viewport.table.frame() },
-      { id: 'camera', label: 'Look as the document does', group: 'View', keys: ['0'], run: () => viewport.table.fromDocument(state.document.camera) },
+      { id: 'camera', label: 'Look as the document does', group: 'View', keys: ['0'],
+        run: () => viewport.table.fromDocument(state.document.camera) },
       from('front', 'From the front', ['1'], [0, -1, 0]), from('back', 'From behind', ['Shift+1'], [0, 1, 0]),
       from('right', 'From the right', ['3'], [1, 0, 0]), from('left', 'From the left', ['Shift+3'], [-1, 0, 0]),
       from('top', 'From above', ['7'], [0, 0, 1]), from('bottom', 'From below', ['Shift+7'], [0, 0, -1]),
       { id: 'mode', label: 'Next view mode', group: 'View', keys: ['Z'],
         run: () => store.set({ mode: modes[(modes.indexOf(state.mode) + 1) % modes.length] }) },
-      { id: 'layer-up', label: 'A layer further out', group: 'View', keys: [']'], why: () => noDepth(this.app), run: () => store.set({ layer: stepLayer(state.layer, -0.05) }) },
-      { id: 'layer-down', label: 'A layer further in', group: 'View', keys: ['['], why: () => noDepth(this.app), run: () => store.set({ layer: stepLayer(state.layer, 0.05) }) },
+      { id: 'layer-up', label: 'A layer further out', group: 'View', keys: [']'], why: () => noDepth(this.app),
+        run: () => store.set({ layer: stepLayer(state.layer, -0.05) }) },
+      { id: 'layer-down', label: 'A layer further in', group: 'View', keys: ['['], why: () => noDepth(this.app),
+        run: () => store.set({ layer: stepLayer(state.layer, 0.05) }) },
       { id: 'layer-off', label: 'No layer', group: 'View', keys: ['\\'], run: () => store.set({ layer: null }) },
-      { id: 'isolines', label: 'Lines of equal depth', group: 'View', keys: ['I'], run: () => store.set({ isolines: !state.isolines }) },
+      { id: 'isolines', label: 'Lines of equal depth', group: 'View', keys: ['I'],
+        run: () => store.set({ isolines: !state.isolines }) },
       { id: 'lines', label: 'Streamlines', group: 'View', keys: ['L'],
         run: () => store.set({ lines: state.lines === 'none' ? (state.layer === null ? 'body' : 'layer') : 'none' }) },
       { id: 'snapshot', label: 'Take a picture', group: 'View', keys: ['Shift+P'], run: verbs.snapshot },
@@ -107,9 +117,11 @@ export class Commands {
     return [
       { id: 'hide', label: 'Hide the picked part', group: 'Parts and cuts', keys: ['H'], why: picked,
         run: () => { void hidePart(app, state.part!, true); store.set({ part: null }); } },
-      { id: 'show-all', label: 'Show all parts', group: 'Parts and cuts', keys: ['Alt+H'],
-        why: () => (app.model.parts.some((part) => part.hidden) ? null : 'No part is hidden.'), run: () => void showAllParts(app) },
-      { id: 'delete', label: 'Remove the chosen cut, or hide the picked part', group: 'Parts and cuts', keys: ['Delete', 'Backspace'],
+      { id: 'show-all', label: 'Show all parts', group: 'Parts and cuts', keys: ['Alt+H'], insists: true,
+        why: () => (app.model.parts.some((part) => part.hidden) ? null : 'No part is hidden.'),
+        run: () => void showAllParts(app) },
+      { id: 'delete', label: 'Remove the chosen cut, or hide the picked part', group: 'Parts and cuts',
+        keys: ['Delete', 'Backspace'],
         why: () => (state.chosenCut !== null ? null : picked()), run: () => this.remove() },
     ];
   }
@@ -125,7 +137,8 @@ export class Commands {
     const { store, toolbox } = this.app;
     return [
       { id: 'options', label: 'Go to the tool’s options', group: 'Page', keys: ['Space'], run: verbs.focusOptions },
-      { id: 'inspector', label: 'Inspector', group: 'Page', keys: ['N'], run: () => store.set({ inspector: !store.state.inspector }) },
+      { id: 'inspector', label: 'Inspector', group: 'Page', keys: ['N'],
+        run: () => store.set({ inspector: !store.state.inspector }) },
       { id: 'theme', label: 'Light or dark', group: 'Page', keys: [], run: verbs.theme },
       { id: 'escape', label: 'Give up what is under way, or the tool', group: 'Page', keys: ['Escape'], run: () => {
         const { busy } = toolbox;

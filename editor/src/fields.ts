@@ -61,7 +61,9 @@ export function coreSegments(mesh: MeshFacts): Segment[] {
   return found;
 }
 
-function allTriangles(mesh: MeshFacts): number[] { return Array.from({ length: mesh.triangles.length / 3 }, (_, t) => t); }
+function allTriangles(mesh: MeshFacts): number[] {
+  return Array.from({ length: mesh.triangles.length / 3 }, (_, t) => t);
+}
 
 function corner(mesh: MeshFacts, triangle: number, k: number): Point {
   const v = 3 * mesh.triangles[3 * triangle + k];
@@ -72,7 +74,8 @@ const sub = (a: Point, b: Point): Point => [a[0] - b[0], a[1] - b[1], a[2] - b[2
 const dot = (a: Point, b: Point): number => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const cross = (a: Point, b: Point): Point =>
   [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-const unit = (a: Point): Point => { const length = Math.hypot(...a); return [a[0] / length, a[1] / length, a[2] / length]; };
+const unit = (a: Point): Point => { const length =
+  Math.hypot(...a); return [a[0] / length, a[1] / length, a[2] / length]; };
 
 /* Triangles that hang together by their vertices, the component of the lowest vertex first. */
 function components(mesh: MeshFacts): number[][] {
@@ -98,7 +101,8 @@ function components(mesh: MeshFacts): number[][] {
 }
 
 function signedVolume(mesh: MeshFacts, triangles: number[]): number {
-  return triangles.reduce((sum, t) => sum + dot(corner(mesh, t, 0), cross(corner(mesh, t, 1), corner(mesh, t, 2))) / 6, 0);
+  return triangles.reduce((sum, t) => sum + dot(corner(mesh, t, 0), cross(corner(mesh, t, 1), corner(mesh, t, 2))) / 6,
+    0);
 }
 
 /* Middle of a surface and the direction of its largest spread: the first eigenvector of its covariance, by repeated
@@ -167,7 +171,8 @@ function lineCrossings(mesh: MeshFacts, from: Point, along: Point): { at: number
   }
   found.sort((x, y) => x.at - y.at);
   // Through an edge or a corner a line meets several triangles at one place: they count once.
-  const apart = found.filter((hit, i) => i === 0 || hit.at - found[i - 1].at > 1e-9 * (1 + Math.abs(hit.at)) || hit.turn !== found[i - 1].turn);
+  const apart = found.filter((hit, i) => i === 0 || hit.at - found[i - 1].at > 1e-9 * (1 + Math.abs(hit.at))
+    || hit.turn !== found[i - 1].turn);
   let depth = 0;
   return apart.map(({ at, turn }) => ({ at, depth: (depth += turn) }));
 }

@@ -62,7 +62,8 @@ function latest<T>(app: App, read: () => T | null, act: (keys: T | null) => Prom
       shown = text;
     } catch (reason) {
       shown = text;
-      if (!(reason instanceof Refusal && reason.status === 'superseded')) app.actions.complain((reason as Error).message);
+      if (!(reason instanceof Refusal && reason.status === 'superseded')) app.actions.complain(
+        (reason as Error).message);
     }
     busy = false;
     if (again) { again = false; void run(); }

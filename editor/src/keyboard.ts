@@ -28,7 +28,8 @@ export function installKeyboard(app: App, commands: Commands): void {
     if (event.defaultPrevented) return;
     const target = event.target as Element;
     if (target.matches(typing) && !(event.ctrlKey && event.key.toLowerCase() === 's')) return;
-    if ((event.key === ' ' || event.key === 'Enter' || event.key.startsWith('Arrow')) && target.matches(pressing)) return;
+    if ((event.key === ' ' || event.key === 'Enter' || event.key.startsWith('Arrow'))
+      && target.matches(pressing)) return;
     if (event.key === 'Enter' && app.store.state.tool === 'plane') {
       (app.toolbox.get('plane') as unknown as { commit(keep: string): void }).commit('negative');
       return;

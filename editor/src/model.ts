@@ -44,7 +44,8 @@ export class Model {
       this.seconds = head.seconds ?? {};
       this.triangles = (arrays.corners?.length ?? 0) / 3;
     } else if (packet.kind === 'picture') {
-      this.onPicture({ job: head.job, width: head.width, height: head.height, final: head.final, png: arrays.png as Uint8Array });
+      this.onPicture({ job: head.job, width: head.width, height: head.height, final: head.final,
+        png: arrays.png as Uint8Array });
     }
   }
 

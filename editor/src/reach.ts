@@ -26,7 +26,8 @@ export class Reach {
 
   private setNormal(positions: Float32Array, t: number): void {
     const [a, b, c] = [0, 1, 2].map((k) => 3 * this.triangles[3 * t + k]);
-    const u = [0, 1, 2].map((i) => positions[b + i] - positions[a + i]), v = [0, 1, 2].map((i) => positions[c + i] - positions[a + i]);
+    const u = [0, 1, 2].map((i) => positions[b + i] - positions[a + i]),
+      v = [0, 1, 2].map((i) => positions[c + i] - positions[a + i]);
     const n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
     const length = Math.hypot(...n) || 1;
     this.normals.set(n.map((x) => x / length), 3 * t);
@@ -36,7 +37,8 @@ export class Reach {
   from(face: number, painted: Float32Array, crease: number): number[] {
     const found = [face], seen = new Set(found), least = Math.cos((crease * Math.PI) / 180) - 1e-9;
     const depth = painted[face];
-    const same = (other: number): boolean => painted[other] === depth || (Number.isNaN(depth) && Number.isNaN(painted[other]));
+    const same = (other: number): boolean => painted[other] === depth
+      || (Number.isNaN(depth) && Number.isNaN(painted[other]));
     for (let at = 0; at < found.length; ++at) {
       for (let k = 0; k < 3; ++k) {
         const other = this.across[3 * found[at] + k];

@@ -21,7 +21,8 @@ export interface Field {
 
 /** The steps of a path such as `bodies[1].solids[0].exemplar`. */
 export function pathSteps(path: string): (string | number)[] {
-  return [...path.matchAll(/([^.[\]]+)|\[(\d+)\]/g)].map(([, key, index]) => (index === undefined ? key : Number(index)));
+  return [...path.matchAll(/([^.[\]]+)|\[(\d+)\]/g)].map(([, key, index]) =>
+    (index === undefined ? key : Number(index)));
 }
 
 /** What stands at a place of the document; undefined when nothing does. */
@@ -109,7 +110,8 @@ function unitOf(about: string): string { return signs[/\(([^()]*)\)$/.exec(about
 function helpOf(field: Field, about: string): string {
   const sentence = about.charAt(0).toUpperCase() + about.slice(1);
   const parts = [sentence.endsWith('.') ? sentence : `${sentence}.`];
-  if (field.kind === 'number' && Math.abs(field.max) < 1e9 && Math.abs(field.min) < 1e9) parts.push(`${field.min} to ${field.max}.`);
+  if (field.kind === 'number' && Math.abs(field.max) < 1e9
+    && Math.abs(field.min) < 1e9) parts.push(`${field.min} to ${field.max}.`);
   if (field.default !== undefined && field.kind !== 'other') parts.push(`Default: ${wordOf(field.default)}.`);
   return parts.join(' ');
 }

@@ -42,7 +42,7 @@ export async function choose(page, values) {
 }
 
 /** Waits until something holds here; says what did not. */
-export async function eventually(what, test, timeout = 8000) {
+export async function eventually(what, test, timeout = 20000) {
   for (const end = Date.now() + timeout; !(await test());) {
     if (Date.now() > end) throw new Error(`it did not come to pass that ${what}`);
     await new Promise((resolve) => setTimeout(resolve, 30));

@@ -202,6 +202,7 @@ describe('the page', { timeout: 600000 }, () => {
     assert.equal(applied(fake).length, 1);
     assert.equal(fake.document.scale.points.length, 1);
     assert.deepEqual(fake.document.solids[0].exemplar, { recipe: 'exemplars/sponge.json' });
+    await page.locator('dialog').waitFor({ state: 'detached' });
     await page.keyboard.press('Control+z');
     await eventually('all of it was undone', () => fake.document.solids[0].type === '1-B' && !fake.document.scale);
   });

@@ -11,17 +11,21 @@ import { Cube, exemplarName } from '../panels/exemplars';
 
 interface Entry { path: string; name: string; shipped: boolean; kind: 'recipe' | 'grid' }
 
-const exemplarOf = (entry: { path: string; kind: string }): Json => (entry.kind === 'recipe' ? { recipe: entry.path } : { file: entry.path });
+const exemplarOf = (entry: { path: string; kind: string }): Json =>
+  (entry.kind === 'recipe' ? { recipe: entry.path } : { file: entry.path });
 
 /** Opens the dialog; `chosen` is told what was taken, as a document writes it. */
 export function exemplarDialog(app: App, title: string, chosen: (exemplar: Json) => void): void {
   const lists = h('div', { class: 'files' }, h('p', { class: 'quiet' }, 'Looking for files…'));
-  const picker = h('input', { type: 'file', accept: '.json,.nrrd', hidden: true, onchange: () => void take(picker.files) });
-  const drop = h('div', { class: 'drop' }, icon('upload', 22), h('span', null, 'Drop a recipe (.json) or voxels (.nrrd) here, or '),
+  const picker = h('input', { type: 'file', accept: '.json,.nrrd', hidden: true,
+    onchange: () => void take(picker.files) });
+  const drop = h('div', { class: 'drop' }, icon('upload', 22),
+    h('span', null, 'Drop a recipe (.json) or voxels (.nrrd) here, or '),
     button('choose a file', () => picker.click()), picker);
   drop.addEventListener('dragover', (event) => { event.preventDefault(); drop.classList.add('over'); });
   drop.addEventListener('dragleave', () => drop.classList.remove('over'));
-  drop.addEventListener('drop', (event) => { event.preventDefault(); drop.classList.remove('over'); void take(event.dataTransfer?.files ?? null); });
+  drop.addEventListener('drop', (event) => { event.preventDefault(); drop.classList.remove('over'); void take(
+    event.dataTransfer?.files ?? null); });
 
   const use = (entry: { path: string; kind: string }): void => { close(); chosen(exemplarOf(entry)); };
   async function take(files: FileList | null): Promise<void> {
@@ -31,7 +35,8 @@ export function exemplarDialog(app: App, title: string, chosen: (exemplar: Json)
     if (path) use({ path, kind: /\.json$/i.test(file.name) ? 'recipe' : 'grid' });
   }
   const close = openDialog({ title, body: [drop, lists], class: 'wide' });
-  void load(app).then((entries) => fill(lists, group(app, 'In the document’s folder', entries.filter((each) => !each.shipped), use),
+  void load(app).then((entries) => fill(lists,
+    group(app, 'In the document’s folder', entries.filter((each) => !each.shipped), use),
     group(app, 'Shipped with pith', entries.filter((each) => each.shipped), use)),
   (reason: Error) => fill(lists, h('p', { class: 'quiet' }, reason.message)));
 }
@@ -45,7 +50,8 @@ async function load(app: App): Promise<Entry[]> {
 /** Sends a file into the document's folder; null when that was refused, which has been said. */
 export async function upload(app: App, file: File): Promise<string | null> {
   try {
-    const { path } = await app.connection.upload('file.put', { name: file.name }, new Uint8Array(await file.arrayBuffer()));
+    const { path } = await app.connection.upload('file.put', { name: file.name },
+      new Uint8Array(await file.arrayBuffer()));
     return path as string;
   } catch (reason) {
     app.actions.complain(reason instanceof Refusal ? reason.message : String(reason));
@@ -55,7 +61,8 @@ export async function upload(app: App, file: File): Promise<string | null> {
 
 function group(app: App, name: string, entries: Entry[], use: (entry: Entry) => void): HTMLElement | null {
   if (entries.length === 0) return null;
-  return h('section', { class: 'file-group' }, h('h3', null, name), h('ul', { class: 'file-list' }, entries.map((entry) => {
+  return h('section', { class: 'file-group' }, h('h3', null, name),
+    h('ul', { class: 'file-list' }, entries.map((entry) => {
     const cube = new Cube(app, 64);
     const seen = new IntersectionObserver(([at]) => {
       if (!at.isIntersecting) return;
@@ -63,7 +70,8 @@ function group(app: App, name: string, entries: Entry[], use: (entry: Entry) => 
       void cube.show({ exemplar: exemplarOf(entry) }, null);
     });
     seen.observe(cube.canvas);
-    return h('li', null, h('button', { type: 'button', class: 'file', onclick: () => use(entry), 'data-tip': entry.path },
+    return h('li', null, h('button', { type: 'button', class: 'file', onclick: () => use(entry),
+      'data-tip': entry.path },
       cube.canvas, h('span', null, exemplarName(exemplarOf(entry)))));
   })));
 }

@@ -1,4 +1,4 @@
-// The dialog of texture types (Takayama et al. 2008, §4; thesis 2011, §5.2): a card each, and what choosing one will add.
+// The dialog of texture types (Takayama et al. 2008, §4; thesis 2011, §5.2): a card each, and what choosing one adds.
 
 import type { App } from '../app';
 import { presentIn, startingOperations } from '../fields';
@@ -19,8 +19,10 @@ export function typeDialog(app: App): void {
   const before = (solid?.kind === 'lapped' ? solid.type ?? '1-B' : '') as string;
   let chosen = before || '1-B', recipes: Shipped[] = [], swap = !before;
   const body = state.bodies.length > 1 ? ` of ${state.bodies[state.body]?.name}` : '';
-  const note = h('div', { class: 'type-note', 'aria-live': 'polite' }), act = button('', () => void use(), { look: 'main' });
-  const cards = typeTable.map((facts) => card(app, facts.type, () => { chosen = facts.type; swap = suits(facts.type) === false || !before; refresh(); }));
+  const note = h('div', { class: 'type-note', 'aria-live': 'polite' }),
+    act = button('', () => void use(), { look: 'main' });
+  const cards = typeTable.map((facts) => card(app, facts.type,
+    () => { chosen = facts.type; swap = suits(facts.type) === false || !before; refresh(); }));
   const grid = h('div', { class: 'type-cards', role: 'radiogroup', 'aria-label': 'Texture type' }, cards);
   grid.addEventListener('keydown', (event) => rove(event, cards));
 
@@ -41,9 +43,12 @@ export function typeDialog(app: App): void {
     const adds = needKeys(needs).filter((need) => !present[need]).map((need) => needWords[need]);
     const offer = recipes.find((each) => each.name === facts.exemplar || each.path.endsWith(`/${facts.exemplar}.json`));
     fill(note,
-      adds.length > 0 && h('p', null, icon('plus', 16), `Adds ${words(adds)} to start from; you can change ${adds.length > 1 ? 'them' : 'it'} afterwards.`),
-      before && offer && !suits(chosen) && swapChoice(facts.exemplar, exemplarName(solid!.exemplar), swap, (on) => { swap = on; }),
-      !before && offer && h('p', null, icon('image', 16), `Starts with the exemplar “${exemplarName({ recipe: offer.path })}”.`));
+      adds.length > 0 && h('p', null, icon('plus', 16),
+        `Adds ${words(adds)} to start from; you can change ${adds.length > 1 ? 'them' : 'it'} afterwards.`),
+      before && offer && !suits(chosen) && swapChoice(facts.exemplar, exemplarName(solid!.exemplar), swap,
+        (on) => { swap = on; }),
+      !before && offer && h('p', null, icon('image', 16),
+        `Starts with the exemplar “${exemplarName({ recipe: offer.path })}”.`));
     act.replaceChildren(h('span', { class: 'button-label' }, before === chosen ? 'Keep' : `Use type ${chosen}`));
   }
 
@@ -72,15 +77,18 @@ export function typeDialog(app: App): void {
 function swapChoice(suited: string, name: string, on: boolean, choose: (on: boolean) => void): HTMLElement {
   const box = h('input', { type: 'checkbox', class: 'check', onchange: () => choose(box.checked) });
   box.checked = on;
-  return h('label', { class: 'check-label' }, box, `Take the exemplar “${suited}”; “${name}” was made for the other kind`);
+  return h('label', { class: 'check-label' }, box,
+    `Take the exemplar “${suited}”; “${name}” was made for the other kind`);
 }
 
 function card(app: App, type: string, choose: () => void): HTMLButtonElement {
   const facts = typeFacts(type)!, needs = app.store.state.types[type], present = presentIn(bodyJson(app.store.state));
   return h('button', { type: 'button', role: 'radio', class: 'type-option', onclick: choose },
-    typePicture(type, 'type-picture'), h('span', { class: 'type-name' }, facts.name), h('span', { class: 'type-about' }, facts.about),
+    typePicture(type, 'type-picture'), h('span', { class: 'type-name' }, facts.name),
+    h('span', { class: 'type-about' }, facts.about),
     h('span', { class: 'type-examples' }, facts.examples),
-    h('span', { class: 'needs' }, needKeys(needs).map((need) => h('span', { class: present[need] ? 'need there' : 'need' },
+    h('span', { class: 'needs' }, needKeys(needs).map((need) =>
+      h('span', { class: present[need] ? 'need there' : 'need' },
       icon(present[need] ? 'check' : 'plus', 12), needWords[need]))));
 }
 
@@ -88,7 +96,9 @@ function needKeys(needs: TypeNeeds | undefined): (keyof TypeNeeds)[] {
   return (['depth', 'direction', 'vectors', 'scale'] as const).filter((need) => needs?.[need]);
 }
 
-function words(all: string[]): string { return all.length < 2 ? all.join('') : `${all.slice(0, -1).join(', ')} and ${all.at(-1)}`; }
+function words(all: string[]): string {
+  return all.length < 2 ? all.join('') : `${all.slice(0, -1).join(', ')} and ${all.at(-1)}`;
+}
 
 /** The operations that give the chosen body a texture type: the type itself, a solid where there is none, an exemplar
     where one is given, and a start for every field the type needs and the body lacks. Throws an Error with a sentence
@@ -96,13 +106,16 @@ function words(all: string[]): string { return all.length < 2 ? all.join('') : `
 export function typeOperations(app: App, type: string, recipe?: string): Json[] {
   const { state } = app.store, solid = solidOf(state), body = bodyKey(state), place = bodyPlace(state);
   const needs = state.types[type], json = bodyJson(state);
-  const starting = startingOperations(needs, presentIn(json), app.model.meshes.get(state.body)).map((operation) => ({ ...operation, ...body }));
+  const starting = startingOperations(needs, presentIn(json), app.model.meshes.get(state.body))
+    .map((operation) => ({ ...operation, ...body }));
   if (solid?.json.kind === 'lapped') {
     const exemplar = recipe ? [{ op: 'set', path: `${solid.place}.exemplar`, value: { recipe } }] : [];
     return [...starting, { op: 'solid.type', ...body, type }, ...exemplar];
   }
   if (!recipe) throw new Error('No recipe of an exemplar was found to start from; put one into the document’s folder.');
-  const index = ((json.solids ?? []) as Json[]).length, name = `${typeFacts(type)!.exemplar}${index ? ` ${index + 1}` : ''}`;
+  const index = ((json.solids ?? []) as Json[]).length,
+    name = `${typeFacts(type)!.exemplar}${index ? ` ${index + 1}` : ''}`;
   const fresh = { name, kind: 'lapped', type, exemplar: { recipe }, ...(needs.scale ? { blend: 'variance' } : {}) };
-  return [...starting, { op: 'set', path: `${place}solids[${index}]`, value: fresh }, { op: 'solid.choose', ...body, name }];
+  return [...starting, { op: 'set', path: `${place}solids[${index}]`, value: fresh },
+    { op: 'solid.choose', ...body, name }];
 }

@@ -19,7 +19,8 @@ export interface Context {
 }
 
 /** A button that does a command: its label, shortcut and, while it cannot be done, the reason are the command's. */
-export function commandButton(context: Context, id: string, look: ButtonLook & { only?: 'icon' } = {}): HTMLButtonElement {
+export function commandButton(context: Context, id: string,
+  look: ButtonLook & { only?: 'icon' } = {}): HTMLButtonElement {
   const command = context.commands.get(id), run = (): void => context.commands.run(id);
   const made = look.only === 'icon'
     ? iconButton(look.icon ?? 'check', command.label, run, { keys: command.keys[0], key: id, ...look })

@@ -18,7 +18,8 @@ type Need = 'depth' | 'direction' | 'vectors' | 'scale';
 
 /** The sections of the tab. */
 export function fieldsPanel(context: Context): HTMLElement {
-  return h('div', { class: 'panel' }, nothingNeeded(context), depthSection(context), directionSection(context), vectorsSection(context),
+  return h('div', { class: 'panel' }, nothingNeeded(context), depthSection(context), directionSection(context),
+    vectorsSection(context),
     scaleSection(context), linesSection(context));
 }
 
@@ -32,7 +33,8 @@ function needed(state: State, need: Need): boolean {
 function mark(part: Section, state: State, need: Need, count: number): void {
   const follows = needed(state, need);
   part.show(follows || count > 0 || (need === 'depth' && !solidOf(state)));
-  setNote(part, count > 0 && !follows && solidOf(state) ? badge('not used', 'plain', `Type ${solidOf(state)!.json.type ?? '1-B'} does not follow it.`)
+  setNote(part, count > 0 && !follows && solidOf(state)
+    ? badge('not used', 'plain', `Type ${solidOf(state)!.json.type ?? '1-B'} does not follow it.`)
     : follows && count === 0 ? badge('needed', 'bad') : count > 0 ? String(count) : null);
 }
 
@@ -53,18 +55,23 @@ function depthSection(context: Context): HTMLElement {
   const rows = h('div'), options = h('div');
   part.body.append(rows, options);
   live(store, rows, ['document', 'body', 'types'], (state) => ({
-    constraints: (bodyJson(state).depth?.constraints ?? []) as Json[], place: bodyPlace(state), follows: needed(state, 'depth'),
+    constraints: (bodyJson(state).depth?.constraints ?? []) as Json[], place: bodyPlace(state),
+    follows: needed(state, 'depth'),
     solid: solidOf(state)?.json.type ?? null,
   }), ({ constraints, place, follows }) => {
     mark(part, store.state, 'depth', constraints.length);
     options.hidden = constraints.length === 0;
     if (constraints.length === 0) {
-      return empty(follows ? 'No depth is known yet. Paint the outside with 0 and draw the core with 1.' : 'No depth is known.',
-        button('Paint depth', () => store.set({ tool: 'fill', paint: 0 }), { icon: 'fill', keys: keyOf(context, 'fill') }));
+      return empty(follows ? 'No depth is known yet. Paint the outside with 0 and draw the core with 1.'
+        : 'No depth is known.',
+        button('Paint depth', () => store.set({ tool: 'fill', paint: 0 }),
+          { icon: 'fill', keys: keyOf(context, 'fill') }));
     }
-    return list('Where depth is known', constraints.map((constraint, i) => constraintRow(context, constraint, `${place}depth.constraints[${i}]`, i)));
+    return list('Where depth is known',
+      constraints.map((constraint, i) => constraintRow(context, constraint, `${place}depth.constraints[${i}]`, i)));
   });
-  placed(context, options, (place) => [optionRows(app, `${place}depth`, { of: 'depth', more: ['centres', 'stroke_spacing'] }), depthLooks(context)]);
+  placed(context, options, (place) =>
+    [optionRows(app, `${place}depth`, { of: 'depth', more: ['centres', 'stroke_spacing'] }), depthLooks(context)]);
   return part.element;
 }
 
@@ -76,10 +83,14 @@ function placed({ app }: Context, host: HTMLElement, build: (place: string) => C
 function constraintRow({ app }: Context, constraint: Json, path: string, index: number): HTMLElement {
   const depth = constraint.depth as number, words = constraintWords(constraint);
   return listRow({
-    icon: words.icon, point: pointAt(app, `depth ${index}`), lead: h('span', { class: 'depth-dot', style: `--colour: ${paletteCss(depth)}`, 'aria-hidden': 'true' }), text: words.text, detail: words.detail, actions: [
-      numberField(`Depth of ${words.text}`, { min: 0, max: 1 }, depth, (value) => void setValue(app, 'Set depth', `${path}.depth`, value),
+    icon: words.icon, point: pointAt(app, `depth ${index}`),
+    lead: h('span', { class: 'depth-dot', style: `--colour: ${paletteCss(depth)}`, 'aria-hidden': 'true' }),
+    text: words.text, detail: words.detail, actions: [
+      numberField(`Depth of ${words.text}`, { min: 0, max: 1 }, depth,
+        (value) => void setValue(app, 'Set depth', `${path}.depth`, value),
         { key: path }).element,
-      iconButton('trash', `Remove ${words.text}`, () => void operate(app, 'Remove depth', { op: 'stroke.remove', list: 'depth', index }),
+      iconButton('trash', `Remove ${words.text}`, () => void operate(app, 'Remove depth',
+        { op: 'stroke.remove', list: 'depth', index }),
         { look: 'plain', key: `${path}-` }),
     ],
   });
@@ -90,14 +101,17 @@ export function constraintWords(constraint: Json): { text: string; detail?: stri
   if (constraint.faces === 'all') return { text: 'All faces', icon: 'fill' };
   if (constraint.faces) return { text: many(constraint.faces.length, 'face'), icon: 'face' };
   if (constraint.facing) {
-    return { text: 'Faces that look', detail: `along ${pointWords(constraint.facing)}, within ${constraint.within ?? 45}°`, icon: 'face' };
+    return { text: 'Faces that look',
+      detail: `along ${pointWords(constraint.facing)}, within ${constraint.within ?? 45}°`, icon: 'face' };
   }
   if (constraint.stroke) return { text: 'Stroke', detail: many(constraint.stroke.length, 'point'), icon: 'stroke' };
   return { text: many(constraint.points?.length ?? 0, 'point'), icon: 'points' };
 }
 
 /** A point for people. */
-export function pointWords(point: Point): string { return point.map((x) => write(Number(x.toPrecision(3)))).join(', '); }
+export function pointWords(point: Point): string {
+  return point.map((x) => write(Number(x.toPrecision(3)))).join(', ');
+}
 
 function depthLooks(context: Context): HTMLElement {
   const { store } = context.app;
@@ -111,9 +125,11 @@ function depthLooks(context: Context): HTMLElement {
 
 function strokeRows(context: Context, name: string, where: string, strokes: Point[][], of: string): Child {
   return list(name, strokes.map((stroke, i) => listRow({
-    icon: 'stroke', point: pointAt(context.app, `${of} ${i}`), text: `Stroke ${i + 1}`, detail: `${where}${many(stroke.length, 'point')}`,
+    icon: 'stroke', point: pointAt(context.app, `${of} ${i}`), text: `Stroke ${i + 1}`,
+    detail: `${where}${many(stroke.length, 'point')}`,
     actions: iconButton('trash', `Remove stroke ${i + 1}`,
-      () => void operate(context.app, 'Remove stroke', { op: 'stroke.remove', list: of, index: i }), { look: 'plain', key: `${of} ${i}` }),
+      () => void operate(context.app, 'Remove stroke', { op: 'stroke.remove', list: of, index: i }),
+      { look: 'plain', key: `${of} ${i}` }),
   })));
 }
 
@@ -122,23 +138,27 @@ function directionSection(context: Context): HTMLElement {
   const rows = h('div'), options = h('div');
   part.body.append(rows, options);
   live(store, rows, ['document', 'body', 'types'], (state) => ({
-    strokes: (bodyJson(state).direction?.strokes ?? []) as Point[][], follows: needed(state, 'direction'), body: state.body,
+    strokes: (bodyJson(state).direction?.strokes ?? []) as Point[][], follows: needed(state, 'direction'),
+    body: state.body,
   }), ({ strokes }) => {
     mark(part, store.state, 'direction', strokes.length);
     options.hidden = strokes.length === 0;
     if (strokes.length === 0) {
       return empty('Draw strokes along the fibres, on layers of depth or on sections.',
-        button('Draw directions', () => store.set({ tool: 'direction' }), { icon: 'direction', keys: keyOf(context, 'direction') }));
+        button('Draw directions', () => store.set({ tool: 'direction' }),
+          { icon: 'direction', keys: keyOf(context, 'direction') }));
     }
     return [strokeRows(context, 'Direction strokes', '', strokes, 'direction'),
             clearButton(() => operate(app, 'Clear directions', { op: 'direction.clear' }), 'Clear all strokes')];
   });
-  placed(context, options, (place) => optionRows(app, `${place}direction`, { of: 'direction', more: ['lambda_r', 'lambda_d', 'constraint_weight', 'constraint_rows'] }));
+  placed(context, options, (place) => optionRows(app, `${place}direction`,
+    { of: 'direction', more: ['lambda_r', 'lambda_d', 'constraint_weight', 'constraint_rows'] }));
   return part.element;
 }
 
 function clearButton(clear: () => Promise<boolean>, label: string): HTMLElement {
-  return h('div', { class: 'actions' }, button(label, () => void clear(), { icon: 'trash', look: 'plain', key: label }));
+  return h('div', { class: 'actions' }, button(label, () => void clear(),
+    { icon: 'trash', look: 'plain', key: label }));
 }
 
 function vectorsSection(context: Context): HTMLElement {
@@ -146,20 +166,23 @@ function vectorsSection(context: Context): HTMLElement {
   const rows = h('div'), options = h('div');
   part.body.append(rows, options);
   live(store, rows, ['document', 'body', 'types'], (state) => ({
-    surface: (bodyJson(state).vectors?.surface ?? []) as Point[][], inside: (bodyJson(state).vectors?.inside ?? []) as Point[][],
+    surface: (bodyJson(state).vectors?.surface ?? []) as Point[][],
+    inside: (bodyJson(state).vectors?.inside ?? []) as Point[][],
     follows: needed(state, 'vectors'), body: state.body,
   }), ({ surface, inside }) => {
     mark(part, store.state, 'vectors', surface.length + inside.length);
     options.hidden = surface.length + inside.length === 0;
     if (options.hidden) {
       return empty('Draw strokes along the fibres: on the skin, or on sections for the inside.',
-        button('Draw vectors', () => store.set({ tool: 'direction' }), { icon: 'direction', keys: keyOf(context, 'direction') }));
+        button('Draw vectors', () => store.set({ tool: 'direction' }),
+          { icon: 'direction', keys: keyOf(context, 'direction') }));
     }
     return [surface.length > 0 && strokeRows(context, 'Strokes on the skin', 'skin, ', surface, 'vectors.surface'),
             inside.length > 0 && strokeRows(context, 'Strokes inside', 'inside, ', inside, 'vectors.inside'),
             clearButton(() => operate(app, 'Clear vectors', { op: 'vectors.clear' }), 'Clear all strokes')];
   });
-  placed(context, options, (place) => optionRows(app, `${place}vectors`, { of: 'vectors', more: ['constraint_weight', 'tolerance', 'seed'] }));
+  placed(context, options, (place) => optionRows(app, `${place}vectors`,
+    { of: 'vectors', more: ['constraint_weight', 'tolerance', 'seed'] }));
   return part.element;
 }
 
@@ -178,18 +201,23 @@ function scaleSection(context: Context): HTMLElement {
       return empty('How large the exemplar is on the model is not said yet.',
         button('Place it', () => store.set({ tool: 'scale' }), { icon: 'scale', keys: keyOf(context, 'scale') }));
     }
-    const diagonal = app.model.diagonal(), spec = { min: 1e-9, max: 1e9, soft: [diagonal / 200, diagonal] as [number, number] };
+    const diagonal = app.model.diagonal(), soft: [number, number] = [diagonal / 200, diagonal];
+    const spec = { min: 1e-9, max: 1e9, soft };
     return [list('Sizes', points.map((point, i) => {
       const path = `${place}scale.points[${i}]`;
-      const remove = (): void => void (points.length > 1 ? removeValue(app, 'Remove size', path) : operate(app, 'Remove size', { op: 'scale.clear' }));
+      const remove = (): void => void (points.length > 1 ? removeValue(app, 'Remove size', path)
+        : operate(app, 'Remove size', { op: 'scale.clear' }));
       return listRow({
-        icon: 'scale', point: pointAt(app, `scale ${i}`), text: points.length > 1 ? `Size ${i + 1}` : 'Everywhere', detail: `at ${pointWords(point.point)}`, actions: [
-          numberField('Size', spec, point.size, (size) => void setValue(app, 'Set size', `${path}.size`, size), { key: path }).element,
+        icon: 'scale', point: pointAt(app, `scale ${i}`), text: points.length > 1 ? `Size ${i + 1}` : 'Everywhere',
+        detail: `at ${pointWords(point.point)}`, actions: [
+          numberField('Size', spec, point.size, (size) => void setValue(app, 'Set size', `${path}.size`, size),
+            { key: path }).element,
           iconButton('trash', 'Remove size', remove, { look: 'plain', key: `${path}-` })],
       });
     })), points.length > 1 && clearButton(() => operate(app, 'Clear sizes', { op: 'scale.clear' }), 'Clear all sizes')];
   });
-  placed(context, options, (place) => optionRows(app, `${place}scale`, { of: 'size', more: ['lambda_r', 'lambda_d', 'constraint_weight', 'constraint_rows'], skip: ['carry'] }));
+  placed(context, options, (place) => optionRows(app, `${place}scale`,
+    { of: 'size', more: ['lambda_r', 'lambda_d', 'constraint_weight', 'constraint_rows'], skip: ['carry'] }));
   return part.element;
 }
 
@@ -198,20 +226,25 @@ function scaleSection(context: Context): HTMLElement {
 function linesSection(context: Context): HTMLElement {
   const { store } = context.app, part = section('lines', 'Streamlines', { folded: false });
   live(store, part.body, ['lines', 'linesOf', 'layer', 'document', 'body'], (state) => ({
-    lines: state.lines, of: state.linesOf, layer: state.layer !== null, any: Boolean(bodyJson(state).depth || bodyJson(state).vectors),
-    vectors: Boolean(bodyJson(state).vectors), depth: Boolean(bodyJson(state).depth), direction: Boolean(bodyJson(state).direction),
+    lines: state.lines, of: state.linesOf, layer: state.layer !== null,
+    any: Boolean(bodyJson(state).depth || bodyJson(state).vectors),
+    vectors: Boolean(bodyJson(state).vectors), depth: Boolean(bodyJson(state).depth),
+    direction: Boolean(bodyJson(state).direction),
   }), ({ lines, of, any, vectors, depth, direction }) => {
     part.show(any);
     return [
       row('Drawn', segmented('Where streamlines are drawn', [
         { value: 'none', label: 'None' }, { value: 'body', label: 'Body' }, { value: 'skin', label: 'Skin' },
         { value: 'section', label: 'Cuts' }, { value: 'layer', label: 'Layer', disabled: !depth },
-      ], lines, (value) => store.set(value === 'layer' && store.state.layer === null ? { lines: value, layer: 0.5 } : { lines: value }),
+      ], lines, (value) => store.set(value === 'layer' && store.state.layer === null ? { lines: value, layer: 0.5 }
+        : { lines: value }),
       { key: 'lines' }).element, { wide: true }),
       row('Along', choice('Along', [
-        { value: '', label: 'what the texture follows' }, { value: 'primary', label: 'the slope of depth', disabled: !depth },
+        { value: '', label: 'what the texture follows' },
+        { value: 'primary', label: 'the slope of depth', disabled: !depth },
         { value: 'secondary', label: 'the strokes', disabled: !depth || !direction },
-        { value: 'tertiary', label: 'across both', disabled: !depth || !direction }, { value: 'vectors', label: 'the vectors', disabled: !vectors },
+        { value: 'tertiary', label: 'across both', disabled: !depth || !direction },
+        { value: 'vectors', label: 'the vectors', disabled: !vectors },
       ], of, (value) => store.set({ linesOf: value }), { key: 'linesOf' }).element),
     ];
   });

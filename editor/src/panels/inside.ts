@@ -14,7 +14,8 @@ import { optionRows } from './options';
 
 /** The sections of the tab, in order. */
 export function insidePanel(context: Context, recipe: HTMLElement, shape: HTMLElement): HTMLElement {
-  return h('div', { class: 'panel' }, bodiesSection(context), textureSection(context), recipe, pastesSection(context), shape);
+  return h('div', { class: 'panel' }, bodiesSection(context), textureSection(context), recipe, pastesSection(context),
+    shape);
 }
 
 /** A body's state in a word and a colour. */
@@ -32,7 +33,8 @@ export function isBusy(state: State): boolean {
 function bodiesSection({ app }: Context): HTMLElement {
   const { store } = app, part = section('bodies', 'Bodies');
   live(store, part.body, ['bodies', 'body', 'jobs', 'document'], (state) =>
-    ({ bodies: state.bodies, chosen: state.body, busy: isBusy(state), title: state.document.title }), ({ bodies, chosen, busy, title }) => {
+    ({ bodies: state.bodies, chosen: state.body, busy: isBusy(state), title: state.document.title }),
+    ({ bodies, chosen, busy, title }) => {
     if (bodies.length === 0) return empty('There is no body yet.');
     setNote(part, bodies.length > 1 ? String(bodies.length) : null);
     return list('Bodies', bodies.map((body, i) => {
@@ -41,7 +43,8 @@ function bodiesSection({ app }: Context): HTMLElement {
       return listRow({
         icon: 'body', text: name, key: `body ${i}`, chosen: bodies.length > 1 && i === chosen,
         choose: bodies.length > 1 ? () => store.set({ body: i }) : undefined,
-        detail: body.why, actions: [body.type && badge(body.type, 'plain', typeFacts(body.type)?.name), badge(word, tone)],
+        detail: body.why, actions: [body.type && badge(body.type, 'plain', typeFacts(body.type)?.name),
+          badge(word, tone)],
       });
     }));
   });
@@ -57,16 +60,19 @@ function textureSection(context: Context): HTMLElement {
   part.body.append(kind, exemplar, options);
   live(store, kind, ['document', 'body', 'types'], (state) => {
     const body = bodyJson(state), solid = solidOf(state);
-    return { names: ((body.solids ?? []) as Json[]).map((each) => each.name as string), name: solid?.json.name, kind: solid?.json.kind,
+    return { names: ((body.solids ?? []) as Json[]).map((each) => each.name as string), name: solid?.json.name,
+      kind: solid?.json.kind,
              type: solid?.json.type ?? '1-B' };
   }, (what) => {
     if (what.names.length === 0) {
       return empty('This body is made of nothing yet. Choose a texture type, and it gets an inside.',
         commandButton(context, 'type', { look: 'main' }));
     }
-    return [what.names.length > 1 && row('Made of', choice('Made of', what.names.map((value) => ({ value, label: value })), what.name,
+    return [what.names.length > 1 && row('Made of',
+      choice('Made of', what.names.map((value) => ({ value, label: value })), what.name,
       (name) => void operate(app, `Make it of ${name}`, { op: 'solid.choose', name }), { key: 'solid' }).element),
-    what.kind === 'lapped' ? typeCard(context, what.type) : h('p', { class: 'quiet' }, 'A voxel grid, as it is in its file.')];
+    what.kind === 'lapped' ? typeCard(context, what.type)
+      : h('p', { class: 'quiet' }, 'A voxel grid, as it is in its file.')];
   });
   let shown = '';
   const refresh = (): void => {
@@ -74,7 +80,8 @@ function textureSection(context: Context): HTMLElement {
     exemplar.hidden = solid?.json.kind !== 'lapped';
     if (text === shown) return;
     shown = text;
-    options.replaceChildren(...(solid ? [solid.json.kind === 'lapped' ? fillOptions(context, solid.place) : optionRows(app, solid.place, { skip: ['name'] })] : []));
+    options.replaceChildren(...(solid ? [solid.json.kind === 'lapped' ? fillOptions(context, solid.place)
+      : optionRows(app, solid.place, { skip: ['name'] })] : []));
   };
   store.on(['document', 'body'], refresh);
   refresh();
@@ -83,7 +90,8 @@ function textureSection(context: Context): HTMLElement {
 
 function typeCard(context: Context, type: string): Child {
   const facts = typeFacts(type);
-  return h('button', { type: 'button', class: 'type-card', 'data-key': 'type', 'data-tip': 'Choose the texture type', 'data-tip-keys': context.commands.get('type').keys[0],
+  return h('button', { type: 'button', class: 'type-card', 'data-key': 'type', 'data-tip': 'Choose the texture type',
+    'data-tip-keys': context.commands.get('type').keys[0],
     onclick: () => context.chooseType() },
   typePicture(type, 'type-mark'),
   h('span', { class: 'list-text' }, h('span', { class: 'list-title' }, facts?.name ?? type),
@@ -128,19 +136,23 @@ function pastesSection(context: Context): HTMLElement {
   const { app } = context, { store } = app, part = section('pastes', 'Pastes', { folded: true });
   live(store, part.body, ['document', 'body'], (state) => {
     const solid = solidOf(state);
-    return { lapped: solid?.json.kind === 'lapped', place: solid?.place ?? '', pastes: (solid?.json.pastes ?? []) as Json[] };
+    return { lapped: solid?.json.kind === 'lapped', place: solid?.place ?? '',
+      pastes: (solid?.json.pastes ?? []) as Json[] };
   }, ({ lapped, place, pastes }) => {
     part.show(lapped);
     setNote(part, pastes.length ? String(pastes.length) : null);
     if (pastes.length === 0) {
       return empty('Nothing is pasted on top. Set single things where you want them: cherries on a cake.',
-        button('Paste with the tool', () => store.set({ tool: 'paste' }), { icon: 'paste', keys: keyOf(context, 'paste') }));
+        button('Paste with the tool', () => store.set({ tool: 'paste' }),
+          { icon: 'paste', keys: keyOf(context, 'paste') }));
     }
     const diagonal = app.model.diagonal();
     return list('Pastes, the last on top', pastes.map((paste, i) => listRow({
-      icon: 'paste', point: pointAt(app, `paste ${i}`), text: exemplarName(paste.exemplar), detail: `${i + 1} of ${pastes.length}`, actions: [
+      icon: 'paste', point: pointAt(app, `paste ${i}`), text: exemplarName(paste.exemplar),
+      detail: `${i + 1} of ${pastes.length}`, actions: [
         numberField('Size', { min: 1e-9, max: 1e9, soft: [diagonal / 200, diagonal] }, paste.size,
-          (size) => void operate(app, 'Size of paste', { op: 'paste.move', index: i, size }), { key: `paste ${i}` }).element,
+          (size) => void operate(app, 'Size of paste', { op: 'paste.move', index: i, size }),
+          { key: `paste ${i}` }).element,
         iconButton('trash', 'Remove', () => void operate(app, 'Remove paste', { op: 'paste.remove', index: i }),
           { look: 'plain', key: `paste- ${i}` }),
       ],

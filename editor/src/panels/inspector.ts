@@ -15,16 +15,20 @@ const widths: [number, number] = [264, 560];
 
 /* Where the tool's work shows. */
 const tabOf: { [tool in ToolName]?: State['tab'] } = {
-  cut: 'cuts', plane: 'cuts', fill: 'fields', face: 'fields', depth: 'fields', points: 'fields', direction: 'fields', scale: 'fields', paste: 'inside',
+  cut: 'cuts', plane: 'cuts', fill: 'fields', face: 'fields', depth: 'fields', points: 'fields', direction: 'fields',
+  scale: 'fields', paste: 'inside',
 };
 
 /** Builds the inspector with its edge. */
 export function inspector(context: Context): HTMLElement[] {
   const { store } = context.app;
-  const panels = { inside: insidePanel(context, recipeSection(context), shapeSection(context)), fields: fieldsPanel(context), cuts: cutsPanel(context), look: lookPanel(context) };
+  const panels = { inside: insidePanel(context, recipeSection(context), shapeSection(context)),
+    fields: fieldsPanel(context), cuts: cutsPanel(context), look: lookPanel(context) };
   const bar = tabs('Inspector', [
-    { id: 'inside', label: 'Inside', icon: 'solid', panel: panels.inside }, { id: 'fields', label: 'Fields', icon: 'lines', panel: panels.fields },
-    { id: 'cuts', label: 'Cuts', icon: 'cut', panel: panels.cuts }, { id: 'look', label: 'Look', icon: 'camera', panel: panels.look },
+    { id: 'inside', label: 'Inside', icon: 'solid', panel: panels.inside },
+    { id: 'fields', label: 'Fields', icon: 'lines', panel: panels.fields },
+    { id: 'cuts', label: 'Cuts', icon: 'cut', panel: panels.cuts },
+    { id: 'look', label: 'Look', icon: 'camera', panel: panels.look },
   ], store.state.tab, (tab) => store.set({ tab: tab as State['tab'] }));
   const scroll = h('div', { class: 'inspector-scroll' }, Object.values(panels));
   const element = h('aside', { class: 'inspector', 'aria-label': 'Inspector' }, bar.element, scroll);

@@ -21,7 +21,8 @@ export function lookPanel(context: Context): HTMLElement {
 /* ---- pictures ---------------------------------------------------------------------------------------------------- */
 
 const sizes: [string, number, number][] = [
-  ['800 × 600', 800, 600], ['1280 × 720', 1280, 720], ['1920 × 1080', 1920, 1080], ['1600 × 1600', 1600, 1600], ['3840 × 2160', 3840, 2160],
+  ['800 × 600', 800, 600], ['1280 × 720', 1280, 720], ['1920 × 1080', 1920, 1080], ['1600 × 1600', 1600, 1600],
+  ['3840 × 2160', 3840, 2160],
 ];
 
 function pictureSection(context: Context): HTMLElement {
@@ -32,17 +33,21 @@ function pictureSection(context: Context): HTMLElement {
   }, ({ width, height }) => {
     const known = sizes.some(([, w, high]) => w === width && high === height);
     const all = known ? sizes : [[`${width} × ${height}`, width, height] as [string, number, number], ...sizes];
-    return row('Size', choice('Size', all.map(([label, w, high]) => ({ value: `${w} ${high}`, label })), `${width} ${height}`, (text) => {
+    return row('Size', choice('Size', all.map(([label, w, high]) => ({ value: `${w} ${high}`, label })),
+      `${width} ${height}`, (text) => {
       const [w, high] = text.split(' ').map(Number);
-      void app.actions.apply('Set picture size', [{ op: 'set', path: 'render.width', value: w }, { op: 'set', path: 'render.height', value: high }]);
+      void app.actions.apply('Set picture size', [{ op: 'set', path: 'render.width', value: w },
+        { op: 'set', path: 'render.height', value: high }]);
     }, { key: 'picture size' }).element);
   });
   const camera = (): void => void setValue(app, 'Set camera', 'camera', app.viewport.table.toDocument());
   const light = section('picture.light', 'Light and ground', { folded: true, inner: true });
-  light.body.append(optionRows(app, 'render', { of: 'picture', skip: ['width', 'height', 'samples'], more: ['exposure', 'seed', 'background_red', 'background_green', 'background_blue'] }));
+  light.body.append(optionRows(app, 'render', { of: 'picture', skip: ['width', 'height', 'samples'],
+    more: ['exposure', 'seed', 'background_red', 'background_green', 'background_blue'] }));
   part.body.append(size, optionRows(app, 'render', { of: 'picture', only: ['samples'] }), h('div', { class: 'actions' },
     commandButton(context, 'snapshot', { icon: 'camera', look: 'main' }),
-    button('Keep this view', camera, { tip: 'Makes this the document’s camera', key: 'camera' })), shots, light.element);
+    button('Keep this view', camera, { tip: 'Makes this the document’s camera', key: 'camera' })), shots,
+      light.element);
   const refresh = (): void => fill(shots, snapshotList(context));
   context.pictures.onChange.push(refresh);
   refresh();
@@ -51,8 +56,10 @@ function pictureSection(context: Context): HTMLElement {
 
 function snapshotList({ app, pictures }: Context): Child {
   if (pictures.list.length === 0) return null;
-  return h('ul', { class: 'shots', 'aria-label': 'Pictures taken' }, pictures.list.map((shot) => h('li', { class: 'shot' },
-    h('button', { type: 'button', class: 'shot-picture', 'data-tip': 'Look from there again', 'data-key': `shot ${shot.job}`,
+  return h('ul', { class: 'shots', 'aria-label': 'Pictures taken' },
+    pictures.list.map((shot) => h('li', { class: 'shot' },
+    h('button', { type: 'button', class: 'shot-picture', 'data-tip': 'Look from there again',
+      'data-key': `shot ${shot.job}`,
       onclick: () => app.viewport.table.fromDocument(shot.camera) },
     shot.url ? h('img', { src: shot.url, alt: shot.name }) : h('span', { class: 'shot-wait' }, icon('image', 24)),
     shot.state !== 'done' && h('span', { class: 'shot-state' }, shot.state === 'making' ? 'Rendering…' : 'Stopped')),
@@ -81,10 +88,13 @@ function volumeSection({ app }: Context): HTMLElement {
         button('See through', () => void setValue(app, 'See through', 'volume', {}), { icon: 'cloud', key: 'volume' }));
     }
     return [transferEditor(app), optionRows(app, 'volume', {
-      of: 'volume', only: ['opacity', 'unit', 'channel', 'shading', 'slices', 'samples', 'method', 'light_azimuth', 'light_elevation', 'exposure',
+      of: 'volume', only: ['opacity', 'unit', 'channel', 'shading', 'slices', 'samples', 'method', 'light_azimuth',
+        'light_elevation', 'exposure',
         'transparent', 'jitter', 'width', 'height', 'background_red', 'background_green', 'background_blue', 'seed'],
-      more: ['method', 'light_azimuth', 'light_elevation', 'exposure', 'transparent', 'jitter', 'width', 'height', 'background_red', 'background_green', 'background_blue', 'seed'],
-    }), h('div', { class: 'actions' }, button('Show the skin again', () => void removeValue(app, 'Show the skin', 'volume'), { look: 'plain', key: 'no volume' }))];
+      more: ['method', 'light_azimuth', 'light_elevation', 'exposure', 'transparent', 'jitter', 'width', 'height',
+        'background_red', 'background_green', 'background_blue', 'seed'],
+    }), h('div', { class: 'actions' }, button('Show the skin again',
+    () => void removeValue(app, 'Show the skin', 'volume'), { look: 'plain', key: 'no volume' }))];
   });
   return part.element;
 }
@@ -92,7 +102,8 @@ function volumeSection({ app }: Context): HTMLElement {
 function transferEditor(app: App): HTMLElement {
   const host = h('div', { class: 'stops' }), path = 'volume.transfer';
   let chosen = 0;
-  const refresh = live(app.store, host, ['document'], (state) => ({ points: (valueAt(state.document, path) ?? []) as Json[], chosen }), ({ points }) =>
+  const refresh = live(app.store, host, ['document'],
+    (state) => ({ points: (valueAt(state.document, path) ?? []) as Json[], chosen }), ({ points }) =>
     transferBody(app, path, points, Math.min(chosen, points.length - 1), (next) => { chosen = next; refresh(); }));
   return host;
 }
@@ -105,11 +116,13 @@ function transferBody(app: App, path: string, points: Json[], chosen: number, ch
   const head = h('div', { class: 'sub-head' }, h('h4', null, 'Colours by value'));
   if (given.length === 0) {
     const start = [{ at: 0, colour: '#000000', opacity: 0 }, { at: 1, colour: '#ffffff', opacity: 1 }];
-    return [head, empty('The solid’s own colours and opacity show.', button('Colour by value', () => write('Colour by value', start), { key: 'transfer' }))];
+    return [head, empty('The solid’s own colours and opacity show.',
+      button('Colour by value', () => write('Colour by value', start), { key: 'transfer' }))];
   }
   const range = rangeOf(given), one = given[chosen];
   const edit = (name: string, change: Partial<Stop>): void => {
-    const changed = { ...one, ...change }, next = given.map((stop, i) => (i === chosen ? changed : stop)).sort((a, b) => a.at - b.at);
+    const changed = { ...one, ...change };
+    const next = given.map((stop, i) => (i === chosen ? changed : stop)).sort((a, b) => a.at - b.at);
     choose(next.indexOf(changed));
     write(name, next);
   };
@@ -120,10 +133,13 @@ function transferBody(app: App, path: string, points: Json[], chosen: number, ch
   h('div', { class: 'stop-edit' },
     colourField('Colour', one.colour, (colour) => edit('Set colour', { colour }), { key: 'transfer.colour' }).element,
     h('span', { class: 'mini-label', 'aria-hidden': 'true' }, 'at'),
-    numberField('Value', { min: -1e9, max: 1e9, soft: range }, one.at, (at) => edit('Move stop', { at }), { key: 'transfer.value' }).element,
+    numberField('Value', { min: -1e9, max: 1e9, soft: range }, one.at, (at) => edit('Move stop', { at }),
+      { key: 'transfer.value' }).element,
     h('span', { class: 'mini-label', 'aria-hidden': 'true' }, '×'),
-    numberField('Opacity', { min: 0, max: 1 }, one.opacity, (opacity) => edit('Set opacity', { opacity }), { key: 'transfer.opacity' }).element,
-    iconButton('trash', 'Remove stop', () => write('Remove stop', given.filter((_, i) => i !== chosen)), { look: 'plain', key: 'transfer-' }))];
+    numberField('Opacity', { min: 0, max: 1 }, one.opacity, (opacity) => edit('Set opacity', { opacity }),
+      { key: 'transfer.opacity' }).element,
+    iconButton('trash', 'Remove stop', () => write('Remove stop', given.filter((_, i) => i !== chosen)),
+      { look: 'plain', key: 'transfer-' }))];
 }
 
 /* What the bar spans: 0 to 1, and further where stops lie beyond. */
@@ -138,15 +154,19 @@ function rangeOf(stops: Stop[]): [number, number] {
 
 function documentSection(context: Context): HTMLElement {
   const { app } = context, { store } = app, part = section('document', 'Document'), facts = h('dl', { class: 'facts' });
-  const id = uid(), title = textField('Title', '', (text) => void (text ? setValue(app, 'Set title', 'title', text) : removeValue(app, 'Remove title', 'title')), { id, key: 'title' });
+  const id = uid(), title = textField('Title', '',
+    (text) => void (text ? setValue(app, 'Set title', 'title', text) : removeValue(app, 'Remove title', 'title')),
+    { id, key: 'title' });
   const revert = commandButton(context, 'revert', { look: 'plain' });
-  part.body.append(row('Title', title.element, { for: id, tip: 'A name for people.' }), facts, h('div', { class: 'actions' },
+  part.body.append(row('Title', title.element, { for: id, tip: 'A name for people.' }), facts,
+    h('div', { class: 'actions' },
     commandButton(context, 'save', { icon: 'save' }), commandButton(context, 'save-as'), revert));
   const refresh = (): void => {
     refreshCommand(context, revert, 'revert');
     const { document, path, version } = store.state;
     if (globalThis.document.activeElement !== title.element) title.set(document.title ?? '');
-    fill(facts, path && [h('dt', null, 'File'), h('dd', { title: path }, path)], version && [h('dt', null, 'pith'), h('dd', null, version)]);
+    fill(facts, path && [h('dt', null, 'File'), h('dd', { title: path }, path)],
+      version && [h('dt', null, 'pith'), h('dd', null, version)]);
   };
   store.on(['document', 'path', 'version', 'saved'], refresh);
   refresh();

@@ -49,17 +49,20 @@ function chosen(fields: Field[], settings: OptionSettings): Field[] {
 }
 
 /** One row: label, control and, once it is set, the way back to the default. */
-export function optionRow(app: App, place: string, field: Field, value: unknown, settings: OptionSettings = {}): HTMLElement {
+export function optionRow(app: App, place: string, field: Field, value: unknown,
+  settings: OptionSettings = {}): HTMLElement {
   const path = join(place, field.key), id = uid();
   const name = `${settings.of ? `${settings.of} ` : ''}${field.label.toLowerCase()}`;
   const given = value !== undefined;
   const reset = (): void => { if (given && !field.required) void removeValue(app, `Reset ${name}`, path); };
   const commit = async (next: unknown): Promise<void> => {
     const back = next === field.default && !field.required;
-    const done = back ? given ? removeValue(app, `Reset ${name}`, path) : true : setValue(app, `Set ${name}`, path, next);
+    const done = back ? given ? removeValue(app, `Reset ${name}`, path) : true
+      : setValue(app, `Set ${name}`, path, next);
     if (!(await done)) control.set((value ?? field.default) as never);
   };
-  const control = controlOf(field, value ?? field.default, (next) => void commit(next), { path, id, reset, soft: settings.soft });
+  const control = controlOf(field, value ?? field.default, (next) => void commit(next),
+    { path, id, reset, soft: settings.soft });
   const made = row(field.label, control.element, { tip: field.help, for: control.labelled ? id : undefined,
     wide: control.wide });
   if (given && field.default !== undefined && !field.required && value !== field.default) {
@@ -81,7 +84,8 @@ function controlOf(field: Field, value: any, commit: (value: unknown) => void,
       const spec = { ...field, default: field.default as number | undefined, soft: at.soft?.[field.key] };
       const made = slider(field.label, spec, value ?? field.min, commit, { key, id, reset: at.reset, bare: seed });
       if (seed) {
-        made.element.append(iconButton('dice', 'Another one', () => commit(1 + Math.floor(Math.random() * 9999)), { key: `${key}?` }));
+        made.element.append(iconButton('dice', 'Another one', () => commit(1 + Math.floor(Math.random() * 9999)),
+          { key: `${key}?` }));
       }
       return { ...made, labelled: true };
     }

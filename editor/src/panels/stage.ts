@@ -42,12 +42,18 @@ function lostBanner({ app }: Context): HTMLElement {
 function depthScale({ app }: Context): HTMLElement {
   const { store } = app;
   const ticks = [0, 0.25, 0.5, 0.75, 1];
-  const bar = h('span', { class: 'scale-bar', style: `background: linear-gradient(to bottom, ${[...Array(17).keys()].map((i) => paletteCss(i / 16)).join(', ')})` });
+  const bar = h('span', { class: 'scale-bar',
+    style: `background: linear-gradient(to bottom, ${[...Array(17).keys()].map((i) => paletteCss(i / 16)).join(
+    ', ')})` });
   const handle = h('span', { class: 'scale-handle', 'aria-hidden': 'true' });
-  const track = h('div', { class: 'scale-track', role: 'slider', tabindex: 0, 'aria-label': 'Layer of depth', 'aria-orientation': 'vertical',
-    'aria-valuemin': 0, 'aria-valuemax': 1, 'data-tip': 'Drag to look at the layer of a depth; double-click for none' }, bar,
-  ticks.map((tick) => h('span', { class: 'scale-tick', style: `top: ${100 * tick}%`, 'aria-hidden': 'true' }, write(tick))), handle);
-  const made = h('div', { class: 'depth-scale' }, h('span', { class: 'scale-end' }, 'outside'), track, h('span', { class: 'scale-end' }, 'core'));
+  const track = h('div', { class: 'scale-track', role: 'slider', tabindex: 0, 'aria-label': 'Layer of depth',
+    'aria-orientation': 'vertical',
+    'aria-valuemin': 0, 'aria-valuemax': 1, 'data-tip': 'Drag to look at the layer of a depth; double-click for none' },
+      bar,
+  ticks.map((tick) => h('span', { class: 'scale-tick', style: `top: ${100 * tick}%`, 'aria-hidden': 'true' },
+    write(tick))), handle);
+  const made = h('div', { class: 'depth-scale' }, h('span', { class: 'scale-end' }, 'outside'), track,
+    h('span', { class: 'scale-end' }, 'core'));
   const put = (event: PointerEvent): void => {
     const box = bar.getBoundingClientRect(), at = Math.min(1, Math.max(0, (event.clientY - box.top) / box.height));
     store.set({ layer: Math.round(100 * at) / 100 });
@@ -58,14 +64,16 @@ function depthScale({ app }: Context): HTMLElement {
   track.addEventListener('keydown', (event) => {
     const step = { ArrowDown: 0.05, ArrowUp: -0.05, ArrowRight: 0.05, ArrowLeft: -0.05 }[event.key];
     if (event.key === 'Delete' || event.key === 'Escape') store.set({ layer: null });
-    else if (step) store.set({ layer: Math.round(100 * Math.min(1, Math.max(0, (store.state.layer ?? 0.5) + step))) / 100 });
+    else if (step) store.set({ layer: Math.round(100 * Math.min(1,
+      Math.max(0, (store.state.layer ?? 0.5) + step))) / 100 });
     else return;
     event.preventDefault();
     event.stopPropagation();
   });
   const refresh = (): void => {
     const { mode, layer, tool } = store.state, depth = Boolean(bodyJson(store.state).depth);
-    made.hidden = !depth || !(mode === 'depth' || layer !== null || ['fill', 'face', 'depth', 'points', 'direction'].includes(tool));
+    made.hidden = !depth || !(mode === 'depth' || layer !== null
+      || ['fill', 'face', 'depth', 'points', 'direction'].includes(tool));
     handle.hidden = layer === null;
     handle.style.top = `${100 * (layer ?? 0)}%`;
     handle.textContent = layer === null ? '' : write(layer);
@@ -89,13 +97,15 @@ function middle(context: Context): HTMLElement {
   }, (what) => {
     if (what === 'connecting') return h('p', { class: 'stage-card' }, 'Opening the document…');
     if (what === 'no solid') {
-      return h('div', { class: 'stage-card' }, h('p', null, 'This body has no inside yet.'), commandButton(context, 'type', { look: 'main' }));
+      return h('div', { class: 'stage-card' }, h('p', null, 'This body has no inside yet.'),
+        commandButton(context, 'type', { look: 'main' }));
     }
     if (what === 'why') {
       return h('div', { class: 'stage-card' }, h('p', null, app.store.state.bodies[app.store.state.body].why),
         button('Add a start for it', () => void addStart(context), { look: 'main' }), commandButton(context, 'type'));
     }
-    if (what === 'not built') return h('div', { class: 'stage-card' }, h('p', null, 'Nothing is built yet.'), commandButton(context, 'update', { icon: 'update', look: 'main' }));
+    if (what === 'not built') return h('div', { class: 'stage-card' }, h('p', null, 'Nothing is built yet.'),
+      commandButton(context, 'update', { icon: 'update', look: 'main' }));
     return null;
   });
   return host;

@@ -9,7 +9,8 @@ import { stageTimes } from './topbar';
 export function statusbar({ app }: Context): HTMLElement {
   const { store, model } = app;
   const hint = h('span', { class: 'status-hint' }), facts = h('span', { class: 'status-facts' });
-  const link = h('span', { class: 'status-link', role: 'status' }, h('span', { class: 'dot', 'aria-hidden': 'true' }), h('span'));
+  const link = h('span', { class: 'status-link', role: 'status' }, h('span', { class: 'dot', 'aria-hidden': 'true' }),
+    h('span'));
   let built = '';
   const refresh = (): void => {
     const { hint: text, connection } = store.state;
@@ -22,11 +23,13 @@ export function statusbar({ app }: Context): HTMLElement {
     if (built) parts.push(built);
     facts.textContent = parts.join('  ·  ');
     link.dataset.state = connection;
-    link.lastElementChild!.textContent = { connecting: 'Connecting', open: 'Connected', lost: 'Lost', refused: 'Closed' }[connection];
+    link.lastElementChild!.textContent = { connecting: 'Connecting', open: 'Connected', lost: 'Lost',
+      refused: 'Closed' }[connection];
   };
   store.on(['hint', 'serial', 'connection'], refresh);
   store.on(['jobs'], () => {
-    const job = store.state.jobs.find((each) => each.state === 'done' && (each.what === 'solid' || each.what === 'fields'));
+    const job = store.state.jobs.find((each) => each.state === 'done'
+      && (each.what === 'solid' || each.what === 'fields'));
     if (!job) return;
     built = `built in ${seconds(job.seconds ?? 0)}`;
     facts.dataset.tip = stageTimes(job.times);

@@ -32,14 +32,16 @@ function optionsOf(context: Context, tool: ToolName): Child[] {
     case 'fill': return [depthPalette(context, true), creaseSlider(context)];
     case 'face': return [depthPalette(context, true)];
     case 'depth': case 'points': return [depthPalette(context, false), layerSlider(context)];
-    case 'direction': return bodyJson(context.app.store.state).depth ? [layerSlider(context), linesSwitch(context)] : [linesSwitch(context)];
+    case 'direction': return bodyJson(context.app.store.state).depth ? [layerSlider(context), linesSwitch(context)]
+      : [linesSwitch(context)];
     case 'scale': return [sizeSlider(context)];
     case 'paste': return [pasteChoice(context), sizeSlider(context)];
   }
 }
 
 function labelled(label: string, control: HTMLElement, narrow = false): HTMLElement {
-  return h('div', { class: narrow ? 'option narrow' : 'option' }, h('span', { class: 'option-label', 'aria-hidden': 'true' }, label), control);
+  return h('div', { class: narrow ? 'option narrow' : 'option' },
+    h('span', { class: 'option-label', 'aria-hidden': 'true' }, label), control);
 }
 
 function partOptions(context: Context): Child[] {
@@ -52,7 +54,8 @@ function cutOptions({ app }: Context): Child[] {
   return [
     labelled('Keep', segmented('What stays', [
       { value: 'positive', label: 'Right', icon: 'upper', tip: 'What lies right of the stroke stays' },
-      { value: 'negative', label: 'Left', icon: 'lower', tip: 'What lies left of the stroke stays; the same as holding Shift' },
+      { value: 'negative', label: 'Left', icon: 'lower',
+        tip: 'What lies left of the stroke stays; the same as holding Shift' },
       { value: 'both', label: 'Both', icon: 'both', tip: 'Both sides stay, apart; the same as holding Alt' },
     ], store.state.keep, (keep) => store.set({ keep }), { key: 'keep' }).element),
     checkbox('Separate pieces', store.state.separate, (separate) => store.set({ separate }),
@@ -74,9 +77,11 @@ function planeOptions({ app }: Context): Child[] {
   return [
     labelled('Across', h('div', { class: 'pair' }, (['x', 'y', 'z'] as const).map((axis) =>
       button(axis.toUpperCase(), towards(axis), { tip: `Across the ${axis} axis`, class: 'square' })))),
-    button('Facing me', () => plane.turn(camera.position.clone().sub(target)), { tip: 'Turn the plane to face the eye' }),
+    button('Facing me', () => plane.turn(camera.position.clone().sub(target)),
+      { tip: 'Turn the plane to face the eye' }),
     iconButton('flip', 'Other side', () => plane.flip()),
-    button('Cut', () => plane.commit('negative'), { look: 'main', icon: 'cut', keys: 'Enter', tip: 'Cut here; what the arrow points to goes' }),
+    button('Cut', () => plane.commit('negative'), { look: 'main', icon: 'cut', keys: 'Enter',
+      tip: 'Cut here; what the arrow points to goes' }),
     button('Cut, keep both', () => plane.commit('both'), { icon: 'both', tip: 'Cut here; both sides stay, apart' }),
   ];
 }
@@ -86,8 +91,10 @@ function depthPalette({ app }: Context, erasing: boolean): HTMLElement {
   const { store } = app, { palette } = store.state;
   const take = (paint: number): void => store.set({ paint, erase: false });
   const swatches = palette.map((depth) => h('button', {
-    type: 'button', role: 'radio', class: 'depth-swatch', 'data-depth': depth, 'data-key': `depth=${depth}`, 'aria-label': `Depth ${depth}`,
-    'data-tip': depth === 0 ? 'Depth 0, the outside' : depth === 1 ? 'Depth 1, the core' : `Depth ${depth}`, onclick: () => take(depth),
+    type: 'button', role: 'radio', class: 'depth-swatch', 'data-depth': depth, 'data-key': `depth=${depth}`,
+    'aria-label': `Depth ${depth}`,
+    'data-tip': depth === 0 ? 'Depth 0, the outside' : depth === 1 ? 'Depth 1, the core' : `Depth ${depth}`,
+    onclick: () => take(depth),
   }, h('span', { class: 'depth-colour', style: `--colour: ${paletteCss(depth)}` }), h('span', null, write(depth))));
   const none = erasing && h('button', { type: 'button', role: 'radio', class: 'depth-swatch', 'data-key': 'depth=none',
     'aria-label': 'Take paint off', 'data-tip': 'Take paint off', onclick: () => store.set({ erase: true }) },
@@ -116,7 +123,8 @@ function creaseSlider({ app }: Context): HTMLElement {
 export function layerSlider({ app }: Context): HTMLElement {
   const { store } = app;
   const set = (layer: number): void => store.set({ layer });
-  const control = slider('Layer', { min: 0, max: 1, default: 0.5 }, store.state.layer ?? 0.5, set, { key: 'layer', moving: set });
+  const control = slider('Layer', { min: 0, max: 1, default: 0.5 }, store.state.layer ?? 0.5, set,
+    { key: 'layer', moving: set });
   const off = checkbox('Layer', store.state.layer !== null, (on) => store.set({ layer: on ? 0.5 : null }),
     { key: 'layer-on', tip: 'Look at the surface of one depth', look: 'switch' });
   const stop = store.on(['layer'], () => {
@@ -132,8 +140,10 @@ export function layerSlider({ app }: Context): HTMLElement {
 function linesSwitch({ app }: Context): HTMLElement {
   const { store } = app;
   const control = checkbox('Streamlines', store.state.lines !== 'none',
-    (on) => store.set({ lines: on ? (store.state.layer === null ? 'body' : 'layer') : 'none' }), { key: 'lines', look: 'switch' });
-  const stop = store.on(['lines'], () => (control.element.isConnected ? control.set(store.state.lines !== 'none') : stop()));
+    (on) => store.set({ lines: on ? (store.state.layer === null ? 'body' : 'layer') : 'none' }),
+    { key: 'lines', look: 'switch' });
+  const stop = store.on(['lines'], () =>
+    (control.element.isConnected ? control.set(store.state.lines !== 'none') : stop()));
   return control.element;
 }
 
@@ -155,5 +165,6 @@ function pasteChoice(context: Context): Child {
   }
   return labelled('Exemplar', h('div', { class: 'pair' },
     choice('Exemplar', choices, chosen, (text) => store.set({ pasting: JSON.parse(text) }), { key: 'pasting' }).element,
-    iconButton('folder', 'Another exemplar…', () => context.chooseExemplar('Exemplar to paste', (pasting) => store.set({ pasting })))));
+    iconButton('folder', 'Another exemplar…', () => context.chooseExemplar('Exemplar to paste',
+      (pasting) => store.set({ pasting })))));
 }

@@ -20,7 +20,8 @@ export function topbar(context: Context): HTMLElement {
 function documentMenu(context: Context): HTMLElement {
   const { store } = context.app, title = h('span', { class: 'title-text' }), file = h('span', { class: 'title-file' });
   const made = h('button', { type: 'button', class: 'title', 'aria-label': 'Document' },
-    h('img', { src: 'icon.svg', alt: '', width: 22, height: 22 }), h('span', { class: 'title-words' }, title, file), icon('down', 12));
+    h('img', { src: 'icon.svg', alt: '', width: 22, height: 22 }), h('span', { class: 'title-words' }, title, file),
+    icon('down', 12));
   const refresh = (): void => {
     const { document, file: name, saved } = store.state;
     title.textContent = document.title ?? (name || 'pith');
@@ -31,7 +32,8 @@ function documentMenu(context: Context): HTMLElement {
   refresh();
   const item = (id: string, more: Partial<MenuItem> = {}): MenuItem => {
     const command = context.commands.get(id);
-    return { label: command.label, keys: command.keys[0], disabled: (command.why?.() ?? null) !== null, run: () => context.commands.run(id), ...more };
+    return { label: command.label, keys: command.keys[0], disabled: (command.why?.() ?? null) !== null,
+      run: () => context.commands.run(id), ...more };
   };
   return menuButton(made, () => [
     item('save', { icon: 'save' }), item('save-as'), item('revert', { icon: 'return' }), null,
@@ -41,7 +43,8 @@ function documentMenu(context: Context): HTMLElement {
 
 function savedState(context: Context): HTMLElement {
   const { store } = context.app, text = h('span', { class: 'saved-text' });
-  const made = button(text, () => context.commands.run('save'), { look: 'plain', class: 'saved', keys: context.commands.get('save').keys[0] });
+  const made = button(text, () => context.commands.run('save'),
+    { look: 'plain', class: 'saved', keys: context.commands.get('save').keys[0] });
   made.prepend(h('span', { class: 'dot', 'aria-hidden': 'true' }));
   const refresh = (): void => {
     const { saved, recovered, connection } = store.state;
@@ -89,7 +92,8 @@ function working(context: Context): HTMLElement {
   const stop = iconButton('close', 'Cancel', () => context.commands.run('cancel'), { look: 'plain' });
   const made = h('div', { class: 'job', role: 'status' }, h('div', { class: 'job-words' }, text, bar.element), stop);
   const refresh = (): void => {
-    const job = store.state.jobs.find((each) => each.state === 'running') ?? store.state.jobs.find((each) => each.state === 'waiting');
+    const { jobs } = store.state;
+    const job = jobs.find((each) => each.state === 'running') ?? jobs.find((each) => each.state === 'waiting');
     made.hidden = !job;
     if (!job) return;
     text.textContent = job.state === 'waiting' ? 'Waiting…' : job.text || 'Working…';
@@ -144,5 +148,6 @@ function pageButtons(context: Context): HTMLElement {
 
 /** What a finished job took, in words: "shape 0.1 s, fill 1.2 s". */
 export function stageTimes(times: { [stage: string]: number } | undefined): string {
-  return Object.entries(times ?? {}).filter(([, time]) => time >= 0.0005).map(([stage, time]) => `${stage} ${seconds(time)}`).join(', ');
+  const taken = Object.entries(times ?? {}).filter(([, time]) => time >= 0.0005);
+  return taken.map(([stage, time]) => `${stage} ${seconds(time)}`).join(', ');
 }

@@ -14,13 +14,15 @@ interface Drawing { flat: FlatStroke; points: Vector3[]; hit: Hit }
 
 /* What both stroke tools do: follow the pointer over the body it began on, and hand the corners over at the end. */
 function strokeTool(app: App, facts: Pick<Tool, 'name' | 'label' | 'key' | 'icon' | 'hint'>, how: {
-  colour(): string; arrow?: boolean; begin(hit: Hit): boolean; finish(points: [number, number, number][], hit: Hit): void; sameKind: boolean;
+  colour(): string; arrow?: boolean; begin(hit: Hit): boolean; finish(points: [number, number, number][],
+    hit: Hit): void; sameKind: boolean;
 }): Tool {
   const { store, viewport } = app;
   let drawing: Drawing | null = null;
 
   function show(): void {
-    viewport.overlay.show('stroke', drawing && [{ points: drawing.flat.points, flat: true, colour: how.colour(), width: 3.5, arrow: how.arrow }]);
+    viewport.overlay.show('stroke', drawing
+      && [{ points: drawing.flat.points, flat: true, colour: how.colour(), width: 3.5, arrow: how.arrow }]);
   }
   function take(event: ToolEvent): void {
     const hit = event.hit();
@@ -65,7 +67,8 @@ export function depthTool(app: App): Tool {
     colour: () => paletteCss(store.state.paint), sameKind: false, begin: () => true,
     finish(points, hit) {
       const { paint } = store.state;
-      void actions.apply(`Depth stroke ${paint}`, [{ op: 'depth.stroke', ...bodyKey(store.state, hit.body), points, depth: paint }]);
+      void actions.apply(`Depth stroke ${paint}`,
+        [{ op: 'depth.stroke', ...bodyKey(store.state, hit.body), points, depth: paint }]);
     },
   });
 }
@@ -86,7 +89,8 @@ export function directionTool(app: App): Tool {
     finish(points, hit) {
       const list = directionList({ ...store.state, body: hit.body }, hit.kind)!;
       const op = list === 'direction' ? 'direction.stroke' : list;
-      void actions.apply(list === 'direction' ? 'Direction stroke' : 'Vector stroke', [{ op, ...bodyKey(store.state, hit.body), points }]);
+      void actions.apply(list === 'direction' ? 'Direction stroke' : 'Vector stroke',
+        [{ op, ...bodyKey(store.state, hit.body), points }]);
     },
   });
 }
@@ -98,7 +102,8 @@ export function pointsTool(app: App): Tool {
 
   function show(hit: Hit | null): void {
     const { paint } = store.state;
-    viewport.overlay.show('point', hit && [{ points: [hit.world], colour: paletteCss(paint), dots: 6, label: String(paint) }]);
+    viewport.overlay.show('point', hit
+      && [{ points: [hit.world], colour: paletteCss(paint), dots: 6, label: String(paint) }]);
   }
   return {
     name: 'points', label: 'Depth points', key: 'o', icon: 'points',
@@ -121,7 +126,8 @@ export function pointsTool(app: App): Tool {
       show(null);
       if (!hit) return;
       store.set({ body: hit.body });
-      const operation: Json = { op: 'depth.points', ...bodyKey(store.state, hit.body), points: [toPoint(hit.point)], depth: paint };
+      const operation: Json = { op: 'depth.points', ...bodyKey(store.state, hit.body), points: [toPoint(hit.point)],
+        depth: paint };
       void actions.apply(`Depth point ${paint}`, [operation]);
     },
     cancel() {

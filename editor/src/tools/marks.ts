@@ -18,9 +18,11 @@ export function installMarks(app: App): void {
   const { store, viewport } = app;
   const refresh = (): void => {
     const { tab, inspector, tool, pointed } = store.state;
-    const fields = (inspector && tab === 'fields') || ['fill', 'face', 'depth', 'points', 'direction', 'scale'].includes(tool);
+    const fields = (inspector && tab === 'fields')
+      || ['fill', 'face', 'depth', 'points', 'direction', 'scale'].includes(tool);
     const pastes = tool === 'paste' || (pointed?.startsWith('paste') ?? false);
-    viewport.overlay.show('document', fields || pastes ? marksOf(bodyJson(store.state), fields, pastes, pointed) : null);
+    viewport.overlay.show('document', fields || pastes ? marksOf(bodyJson(store.state), fields, pastes, pointed)
+      : null);
   };
   store.on(['document', 'body', 'tab', 'tool', 'inspector', 'serial', 'pointed'], refresh);
   refresh();
@@ -42,11 +44,13 @@ export function marksOf(body: Json, fields: boolean, pastes: boolean, pointed: s
       if (line) stroke(`depth ${i}`, line, paletteCss(depth), 3.5, false);
       if (points) dots(`depth ${i}`, points, paletteCss(depth), 5);
     });
-    const lists = { direction: body.direction?.strokes, 'vectors.surface': body.vectors?.surface, 'vectors.inside': body.vectors?.inside };
+    const lists = { direction: body.direction?.strokes, 'vectors.surface': body.vectors?.surface,
+      'vectors.inside': body.vectors?.inside };
     for (const [name, strokes] of Object.entries(lists)) {
       ((strokes ?? []) as Point[][]).forEach((points, i) => stroke(`${name} ${i}`, points, '#ffffff', 2, true));
     }
-    ((body.scale?.points ?? []) as Json[]).forEach(({ point, size }, i) => dots(`scale ${i}`, [point], '#ffffff', 4, write(Number(size.toPrecision(3)))));
+    ((body.scale?.points ?? []) as Json[]).forEach(({ point, size }, i) =>
+      dots(`scale ${i}`, [point], '#ffffff', 4, write(Number(size.toPrecision(3)))));
   }
   const solid = (body.solids as Json[] | undefined)?.find((each) => each.name === body.solid) ?? body.solids?.[0];
   if (pastes) ((solid?.pastes ?? []) as Json[]).forEach((paste, i) => dots(`paste ${i}`, [paste.point], '#ffffff', 4));

@@ -72,8 +72,10 @@ export function fillTool(app: App): Tool {
       if (!pressed) return;
       const { hit, faces } = pressed, { erase, paint, crease } = store.state, body = bodyKey(store.state, hit.body);
       pressed = null;
-      const operation = erase ? { op: 'depth.erase', ...body, faces } : { op: 'depth.fill', ...body, face: hit.face, depth: paint, crease };
-      void app.actions.apply(erase ? 'Wipe faces' : 'Fill faces', [operation]).then((done) => { if (!done) restore(app, hit.body); });
+      const operation = erase ? { op: 'depth.erase', ...body, faces }
+        : { op: 'depth.fill', ...body, face: hit.face, depth: paint, crease };
+      void app.actions.apply(erase ? 'Wipe faces' : 'Fill faces',
+        [operation]).then((done) => { if (!done) restore(app, hit.body); });
     },
     cancel() {
       if (pressed) restore(app, pressed.hit.body);

@@ -17,7 +17,8 @@ class Hand {
   hit: Hit | null = null;
   private shown = '';
 
-  constructor(private readonly app: App, private readonly exemplarOf: () => Json | null, private readonly radius: number,
+  constructor(private readonly app: App, private readonly exemplarOf: () => Json | null,
+    private readonly radius: number,
               private readonly dropOff: number) {}
 
   /** Fetches the exemplar's voxels, when it is another than the one in the hand. */
@@ -53,9 +54,11 @@ class Hand {
     this.hit = hit;
     const { ghost } = this;
     if (!ghost) return;
-    const inwards = hit.normal.clone().negate(), flat = (v: Vector3): Vector3 => v.addScaledVector(inwards, -v.dot(inwards));
+    const inwards = hit.normal.clone().negate(), flat = (v: Vector3): Vector3 => v.addScaledVector(inwards,
+      -v.dot(inwards));
     let along = flat(ghost.along.clone());
-    if (along.length() < 0.2) along = flat(new Vector3(Math.abs(inwards.x) < 0.7 ? 1 : 0, Math.abs(inwards.x) < 0.7 ? 0 : 1, 0));
+    if (along.length() < 0.2) along =
+      flat(new Vector3(Math.abs(inwards.x) < 0.7 ? 1 : 0, Math.abs(inwards.x) < 0.7 ? 0 : 1, 0));
     Object.assign(ghost, { point: hit.point.clone(), up: inwards, along: along.normalize() });
     this.show();
   }
@@ -71,7 +74,8 @@ class Hand {
     if (!this.ghost || !this.hit) return;
     this.ghost.size = this.size();
     viewport.ghost(this.ghost);
-    viewport.overlay.show('ghost', [{ points: [this.hit.world], colour: '#ffffff', dots: 3, label: write(Number(store.state.size.toPrecision(3))) }]);
+    viewport.overlay.show('ghost', [{ points: [this.hit.world], colour: '#ffffff', dots: 3,
+      label: write(Number(store.state.size.toPrecision(3))) }]);
   }
 
   drop(): void {
@@ -82,7 +86,8 @@ class Hand {
 }
 
 /* What both tools do with the pointer; double-clicking does what `set` says. */
-function placeTool(app: App, facts: Pick<Tool, 'name' | 'label' | 'key' | 'icon' | 'hint' | 'shift'>, hand: Hand, set: (hit: Hit, ghost: Ghost) => void): Tool {
+function placeTool(app: App, facts: Pick<Tool, 'name' | 'label' | 'key' | 'icon' | 'hint' | 'shift'>, hand: Hand,
+  set: (hit: Hit, ghost: Ghost) => void): Tool {
   const { store } = app;
   let turning: number | null = null;
   store.on(['size', 'pasting', 'body', 'document'], () => {
@@ -141,23 +146,26 @@ export function scaleTool(app: App): Tool {
   const hand = new Hand(app, () => (solidOf(store.state)?.json.exemplar ?? null) as Json | null, 0.5, 0);
   return placeTool(app, {
     name: 'scale', label: 'Texture size', key: 's', icon: 'scale',
-    hint: 'Click to put the exemplar on the model, drag to move it, wheel for its size; a double click sets that size there.',
+    hint: 'Click to put the exemplar on the model, drag to move it, wheel for its size; a double click sets it there.',
   }, hand, (hit) => {
-    void actions.apply('Set size', [{ op: 'scale.point', ...bodyKey(store.state, hit.body), point: toPoint(hit.point), size: store.state.size }]);
+    void actions.apply('Set size', [{ op: 'scale.point', ...bodyKey(store.state, hit.body), point: toPoint(hit.point),
+      size: store.state.size }]);
   });
 }
 
 /** Sets exemplars on top of the filled body. */
 export function pasteTool(app: App): Tool {
   const { store, actions } = app;
-  const chosen = (): Json | null => store.state.pasting ?? (solidOf(store.state)?.json.exemplar as Json | undefined) ?? null;
+  const chosen = (): Json | null =>
+    store.state.pasting ?? (solidOf(store.state)?.json.exemplar as Json | undefined) ?? null;
   const hand = new Hand(app, chosen, 0.48, 0.075);
   return placeTool(app, {
     name: 'paste', label: 'Paste', key: 't', icon: 'paste', shift: true,
-    hint: 'Click to put the exemplar on the model, drag to move, Shift+drag to turn, wheel for its size; a double click pastes it.',
+    hint: 'Click to put the exemplar on the model, drag to move, Shift to turn, wheel for its size; a double click pastes.',
   }, hand, (hit, ghost) => {
     void actions.apply('Paste', [{
-      op: 'paste.add', ...bodyKey(store.state, hit.body), exemplar: chosen(), point: toPoint(hit.point), up: toPoint(ghost.up),
+      op: 'paste.add', ...bodyKey(store.state, hit.body), exemplar: chosen(), point: toPoint(hit.point),
+      up: toPoint(ghost.up),
       along: toPoint(ghost.along), size: store.state.size,
     }]);
   });

@@ -33,13 +33,15 @@ export function toolObstacle(state: State, name: ToolName): string | null {
   if (name === 'scale') return needs.scale ? null : `Type ${type} takes its size from the depth field.`;
   if (name === 'paste') return null;
   if (name === 'direction') {
-    return needs.direction || needs.vectors ? null : `Type ${type} turns each patch at random; it follows no directions.`;
+    return needs.direction || needs.vectors ? null
+      : `Type ${type} turns each patch at random; it follows no directions.`;
   }
   return needs.depth ? null : `Type ${type} does not follow depth.`;
 }
 
 const wants: { [name in ToolName]?: string } = {
-  fill: 'depth', face: 'depth', depth: 'depth', points: 'depth', direction: 'directions', scale: 'size', paste: 'pastes',
+  fill: 'depth', face: 'depth', depth: 'depth', points: 'depth', direction: 'directions', scale: 'size',
+  paste: 'pastes',
 };
 
 /** Which field the direction tool draws into, for a stroke on a kind of surface; null when the body's type follows

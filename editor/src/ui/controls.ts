@@ -81,11 +81,13 @@ export function rove(event: KeyboardEvent, buttons: HTMLElement[], press = true)
 export function checkbox(label: string, value: boolean, choose: (value: boolean) => void,
   options: { key?: string; tip?: string; look?: 'switch'; name?: string } = {}): Control<boolean> {
   const input = h('input', {
-    type: 'checkbox', class: options.look ?? 'check', 'data-key': options.key, role: options.look ? 'switch' : null, 'aria-label': options.name,
+    type: 'checkbox', class: options.look ?? 'check', 'data-key': options.key, role: options.look ? 'switch' : null,
+    'aria-label': options.name,
     onchange: () => choose(input.checked),
   });
   input.checked = value;
-  const element = h('label', { class: 'check-label', 'data-tip': options.tip }, input, label !== '' && h('span', null, label));
+  const element = h('label', { class: 'check-label', 'data-tip': options.tip }, input,
+    label !== '' && h('span', null, label));
   return { element, set(next) { input.checked = next; } };
 }
 

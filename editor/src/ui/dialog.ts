@@ -21,7 +21,8 @@ export function openDialog(options: DialogOptions): () => void {
   const before = document.activeElement as HTMLElement | null, title = uid();
   const close = (): void => dialog.close();
   const dialog = h('dialog', { class: `dialog ${options.class ?? ''}`, 'aria-labelledby': title },
-    h('header', null, h('h2', { id: title }, options.title), iconButton('close', 'Close', close, { look: 'plain', keys: 'Esc' })),
+    h('header', null, h('h2', { id: title }, options.title),
+      iconButton('close', 'Close', close, { look: 'plain', keys: 'Esc' })),
     options.about && h('p', { class: 'dialog-about' }, options.about),
     h('div', { class: 'dialog-body', tabindex: -1, autofocus: true }, options.body),
     options.actions && h('footer', null, options.actions));
@@ -43,7 +44,8 @@ export function openDialog(options: DialogOptions): () => void {
 }
 
 /** Asks before something that cannot be taken back, or that there are two ways to do. */
-export function confirmDialog(title: string, about: string, act: { label: string; run: () => void; danger?: boolean }): void {
+export function confirmDialog(title: string, about: string,
+  act: { label: string; run: () => void; danger?: boolean }): void {
   const close = openDialog({ title, body: h('p', null, about), class: 'small', actions: [
     button('Cancel', () => close()),
     button(act.label, () => { close(); act.run(); }, { look: act.danger ? 'danger' : 'main' }),
@@ -56,7 +58,8 @@ export function askText(title: string, label: string, value: string, act: string
   const input = field.element as HTMLInputElement;
   const go = (): void => { const text = input.value.trim(); close(); if (text) run(text); };
   input.addEventListener('keydown', (event) => { if (event.key === 'Enter') { event.preventDefault(); go(); } });
-  const close = openDialog({ title, class: 'small', body: h('div', { class: 'stack' }, h('label', { for: id }, label), input),
+  const close = openDialog({ title, class: 'small',
+    body: h('div', { class: 'stack' }, h('label', { for: id }, label), input),
     actions: [button('Cancel', () => close()), button(act, go, { look: 'main' })] });
   input.select();
 }

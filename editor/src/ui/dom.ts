@@ -4,8 +4,8 @@ import type { Store, State } from '../store';
 
 export type Child = Node | string | number | null | undefined | false | Child[];
 type Handler = (event: any) => void;
-/** Attributes; `on…` are listeners, `class` and `style` are text, true and false set or leave out an attribute. Styles
-    are set by script, since the page's policy allows no style attributes. */
+/** Attributes; `on…` are listeners, `class` and `style` are text, true and false set or leave out an attribute.
+    Styles are set by script, since the page's policy allows no style attributes. */
 export type Props = { [name: string]: string | number | boolean | null | undefined | Handler };
 
 /** Makes an element with attributes, listeners and children. */
@@ -108,7 +108,8 @@ export function uid(): string { return `u${++serial}`; }
 
 /** Something kept for the next visit; browsers may refuse to. */
 export function remember(key: string, value: string): void {
-  try { localStorage.setItem(`pith.${key}`, value); } catch { /* private windows keep nothing, which is their promise */ }
+  try { localStorage.setItem(`pith.${key}`, value); } catch { /* private windows keep nothing,
+    which is their promise */ }
 }
 
 /** What was kept, or null. */

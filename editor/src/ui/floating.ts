@@ -103,7 +103,8 @@ export function popup(anchor: HTMLElement, element: HTMLElement, side: Side = 'b
   return close;
 }
 
-export interface MenuItem { label: string; run: () => void; icon?: IconName; keys?: string; disabled?: boolean; danger?: boolean }
+export interface MenuItem { label: string; run: () =>
+  void; icon?: IconName; keys?: string; disabled?: boolean; danger?: boolean }
 
 /** A button's menu: opens on a click, arrow keys go through it. `null` among the items draws a line. */
 export function menuButton(anchor: HTMLButtonElement, items: () => (MenuItem | null)[]): HTMLButtonElement {

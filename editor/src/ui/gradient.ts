@@ -19,15 +19,18 @@ export interface GradientOptions {
 
 const tall = 72, flat = 28;
 
-/** Builds the control. Click on it to add a stop there, drag stops, arrow keys move and Delete removes the chosen one. */
+/** Builds the control. A click on it adds a stop there; stops are dragged, arrow keys move them, Delete removes one. */
 export function gradient(given: Stop[], options: GradientOptions): HTMLElement {
   const { range: [low, high], heights } = options, span = high - low || 1;
   let stops = given.map((stop) => ({ ...stop }));
   const share = (at: number): number => Math.min(1, Math.max(0, (at - low) / span));
-  const ramp = h('div', { class: heights ? 'gradient tall' : 'gradient', 'data-tip': `Click to add a stop; drag to move one` });
-  const bar = h('div', { class: 'gradient-bar' }), line = svg('polyline', { class: 'gradient-line', 'vector-effect': 'non-scaling-stroke' });
+  const ramp = h('div', { class: heights ? 'gradient tall' : 'gradient',
+    'data-tip': `Click to add a stop; drag to move one` });
+  const bar = h('div', { class: 'gradient-bar' }),
+    line = svg('polyline', { class: 'gradient-line', 'vector-effect': 'non-scaling-stroke' });
   ramp.append(bar);
-  if (heights) ramp.append(svg('svg', { class: 'gradient-sheet', viewBox: '0 0 1 1', preserveAspectRatio: 'none', 'aria-hidden': 'true' }, line));
+  if (heights) ramp.append(svg('svg', { class: 'gradient-sheet', viewBox: '0 0 1 1', preserveAspectRatio: 'none',
+    'aria-hidden': 'true' }, line));
   const handles = stops.map((_, i) => handle(i));
   ramp.append(...handles);
 
@@ -35,7 +38,8 @@ export function gradient(given: Stop[], options: GradientOptions): HTMLElement {
     const ordered = stops.map((stop, i) => ({ ...stop, i })).sort((a, b) => a.at - b.at);
     bar.style.background = ordered.length === 0 ? '' : ordered.length === 1 ? ordered[0].colour
       : `linear-gradient(to right, ${ordered.map((stop) => `${stop.colour} ${100 * share(stop.at)}%`).join(', ')})`;
-    line.setAttribute('points', [{ at: low, opacity: ordered[0]?.opacity ?? 0 }, ...ordered, { at: high, opacity: ordered.at(-1)?.opacity ?? 0 }]
+    line.setAttribute('points', [{ at: low, opacity: ordered[0]?.opacity ?? 0 }, ...ordered,
+      { at: high, opacity: ordered.at(-1)?.opacity ?? 0 }]
       .map((stop) => `${share(stop.at)},${1 - stop.opacity}`).join(' '));
     stops.forEach((stop, i) => {
       const { style } = handles[i];
@@ -43,7 +47,8 @@ export function gradient(given: Stop[], options: GradientOptions): HTMLElement {
       if (heights) style.top = `${100 * (1 - stop.opacity)}%`;
       style.setProperty('--colour', stop.colour);
       set(handles[i], 'aria-valuenow', stop.at);
-      set(handles[i], 'aria-valuetext', `${options.word} ${write(stop.at)}, ${stop.colour}${heights ? `, opacity ${write(stop.opacity)}` : ''}`);
+      set(handles[i], 'aria-valuetext',
+        `${options.word} ${write(stop.at)}, ${stop.colour}${heights ? `, opacity ${write(stop.opacity)}` : ''}`);
       set(handles[i], 'data-chosen', i === options.chosen);
     });
   }
@@ -94,7 +99,8 @@ export function gradient(given: Stop[], options: GradientOptions): HTMLElement {
 
   function keys(event: KeyboardEvent, index: number): void {
     const step = (event.shiftKey ? 0.1 : 0.01) * span;
-    const across = { ArrowLeft: -step, ArrowRight: step }[event.key], up = { ArrowUp: 0.05, ArrowDown: -0.05 }[event.key];
+    const across = { ArrowLeft: -step, ArrowRight: step }[event.key],
+      up = { ArrowUp: 0.05, ArrowDown: -0.05 }[event.key];
     if (event.key === 'Delete' || event.key === 'Backspace') remove(index);
     else if (event.key === 'Enter' || event.key === ' ') options.choose(index);
     else if (across !== undefined) {

@@ -4,7 +4,8 @@ import { fill, h, recall, remember, set, uid, type Child } from './dom';
 import { rove } from './controls';
 import { icon, type IconName } from './icons';
 
-export interface Section { element: HTMLElement; body: HTMLElement; note: HTMLElement; show(on: boolean): void; open(): void }
+export interface Section { element: HTMLElement; body: HTMLElement; note: HTMLElement; show(on: boolean): void; open(
+  ): void }
 
 /** A part of the inspector with a heading that folds it; whether it was folded is remembered. */
 export function section(id: string, title: string, options: { folded?: boolean; inner?: boolean } = {}): Section {
@@ -16,7 +17,8 @@ export function section(id: string, title: string, options: { folded?: boolean; 
   const fold = (folded: boolean): void => { body.hidden = folded; set(head, 'aria-expanded', !folded); };
   fold((recall(at) ?? (options.folded ? 'no' : 'yes')) === 'no');
   const heading = h(options.inner ? 'h4' : 'h3', null, head);
-  const element = h('section', { class: options.inner ? 'section inner' : 'section', 'data-section': id }, heading, body);
+  const element = h('section', { class: options.inner ? 'section inner' : 'section', 'data-section': id }, heading,
+    body);
   return { element, body, note, show(on) { element.hidden = !on; }, open() { fold(false); } };
 }
 
@@ -44,12 +46,16 @@ export function listRow(parts: RowParts): HTMLLIElement {
         'aria-pressed': parts.chosen ?? false, 'data-tip': parts.tip }, text)
     : h('span', { class: 'list-main', 'data-tip': parts.tip }, text);
   const { point } = parts, on = point && (() => point(true)), off = point && (() => point(false));
-  return h('li', { class: parts.chosen ? 'list-row chosen' : 'list-row', onpointerenter: on, onpointerleave: off, onfocusin: on, onfocusout: off },
-    h('div', { class: 'list-line' }, main, parts.actions && h('span', { class: 'list-actions' }, parts.actions)), parts.more);
+  return h('li', { class: parts.chosen ? 'list-row chosen' : 'list-row', onpointerenter: on, onpointerleave: off,
+    onfocusin: on, onfocusout: off },
+    h('div', { class: 'list-line' }, main, parts.actions && h('span', { class: 'list-actions' }, parts.actions)),
+    parts.more);
 }
 
 /** A list with a name. */
-export function list(name: string, rows: Child): HTMLUListElement { return h('ul', { class: 'list', 'aria-label': name }, rows); }
+export function list(name: string, rows: Child): HTMLUListElement {
+  return h('ul', { class: 'list', 'aria-label': name }, rows);
+}
 
 /** Where nothing is yet: one sentence, and the button that changes it. */
 export function empty(text: Child, action?: Child): HTMLElement {
@@ -96,7 +102,8 @@ export function splitter(name: string, width: () => number, change: (width: numb
     const from = event.clientX, before = width();
     const move = (next: PointerEvent): void => to(before + from - next.clientX);
     element.addEventListener('pointermove', move);
-    element.addEventListener('lostpointercapture', () => element.removeEventListener('pointermove', move), { once: true });
+    element.addEventListener('lostpointercapture', () => element.removeEventListener('pointermove', move),
+      { once: true });
   });
   element.addEventListener('keydown', (event) => {
     if (event.key !== 'ArrowLeft' && event.key !== 'ArrowRight') return;

@@ -80,11 +80,13 @@ export function arrowStep(spec: NumberSpec, value: number): number {
 /** Seconds as people say them. */
 export function seconds(value: number): string {
   if (value < 0.0995) return `${Math.round(value * 1000)} ms`;
-  return value < 60 ? `${value.toFixed(value < 9.95 ? 1 : 0)} s` : `${Math.floor(value / 60)} min ${Math.round(value % 60)} s`;
+  return value < 60 ? `${value.toFixed(value < 9.95 ? 1 : 0)} s`
+    : `${Math.floor(value / 60)} min ${Math.round(value % 60)} s`;
 }
 
 /** A count with thin spaces between thousands. */
 export function count(value: number): string { return String(Math.round(value)).replace(/\B(?=(\d{3})+$)/g, '\u2009'); }
 
 /** "1 stroke", "3 strokes". */
-export function many(value: number, one: string, more = `${one}s`): string { return `${count(value)} ${value === 1 ? one : more}`; }
+export function many(value: number, one: string, more =
+  `${one}s`): string { return `${count(value)} ${value === 1 ? one : more}`; }

@@ -53,7 +53,8 @@ export function slider(name: string, spec: NumberSpec, value: number, finish: (v
       else if (spec.default !== undefined) { show(spec.default); tell(); }
     });
     track.addEventListener('keydown', (event) => {
-      if (event.key === 'Escape' && shown !== told) { late.stop(); hold(track, false); show(told); event.stopPropagation(); }
+      if (event.key === 'Escape' && shown !== told) { late.stop(); hold(track,
+        false); show(told); event.stopPropagation(); }
       const jump = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1, PageUp: 10, PageDown: -10 }[event.key];
       if (!jump) return;
       event.preventDefault();
@@ -115,7 +116,8 @@ export function numberField(name: string, spec: NumberSpec, value: number, finis
     else if (event.key === 'Escape') { late.stop(); show(told); input.blur(); event.stopPropagation(); }
     else if (event.key === 'ArrowUp' || event.key === 'ArrowDown') {
       event.preventDefault();
-      show(stepped(spec, read(input.value, spec) ?? shown, (event.key === 'ArrowUp' ? 1 : -1) * (event.shiftKey ? 10 : 1)));
+      show(stepped(spec, read(input.value, spec) ?? shown,
+        (event.key === 'ArrowUp' ? 1 : -1) * (event.shiftKey ? 10 : 1)));
       hold(input, true);
       options.moving?.(shown);
       late.soon(afterKeys);
