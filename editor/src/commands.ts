@@ -127,8 +127,11 @@ export class Commands {
       { id: 'options', label: 'Go to the tool’s options', group: 'Page', keys: ['Space'], run: verbs.focusOptions },
       { id: 'inspector', label: 'Inspector', group: 'Page', keys: ['N'], run: () => store.set({ inspector: !store.state.inspector }) },
       { id: 'theme', label: 'Light or dark', group: 'Page', keys: [], run: verbs.theme },
-      { id: 'escape', label: 'Give up what is under way', group: 'Page', keys: ['Escape'],
-        run: () => { toolbox.cancel(); store.set({ chosenCut: null, part: null }); } },
+      { id: 'escape', label: 'Give up what is under way, or the tool', group: 'Page', keys: ['Escape'], run: () => {
+        const { busy } = toolbox;
+        toolbox.cancel();
+        if (!busy) store.set({ tool: 'select', chosenCut: null, part: null });
+      } },
       { id: 'shortcuts', label: 'Keyboard shortcuts', group: 'Page', keys: ['?'], run: verbs.showShortcuts },
       { id: 'hints', label: 'First steps', group: 'Page', keys: [], run: verbs.showHints },
     ];

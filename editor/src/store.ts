@@ -45,6 +45,7 @@ export interface State {
   keep: 'both' | 'positive' | 'negative'; // of cuts that are drawn
   separate: boolean;                // the same
   chosenCut: number | null;         // the row that Delete takes away
+  pointed: string | null;           // the row of a list under the pointer: 'depth 2', 'direction 0', 'scale 1', 'paste 0'
   tab: 'inside' | 'fields' | 'cuts' | 'look';
   inspector: boolean;               // is it open?
   clip: boolean;                    // is the clip plane shown?
@@ -59,7 +60,7 @@ export const initial: State = {
   jobs: [],
   tool: 'select', mode: 'solid', body: 0, part: null, paint: 0, erase: false, palette: [0, 0.25, 0.5, 0.75, 1],
   crease: 30, layer: null, isolines: true, lines: 'none', linesOf: '', apart: 0, size: 0, pasting: null, keep: 'positive',
-  separate: false, chosenCut: null, tab: 'inside', inspector: true, clip: false, theme: 'dark', hint: '', serial: 0,
+  separate: false, chosenCut: null, pointed: null, tab: 'inside', inspector: true, clip: false, theme: 'dark', hint: '', serial: 0,
 };
 
 type Key = keyof State;

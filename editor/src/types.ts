@@ -11,16 +11,16 @@ export interface TypeFacts {
 
 /** All types, in the thesis's order. */
 export const typeTable: readonly TypeFacts[] = [
-  { type: '0-A', name: 'Even', follows: 'nothing', exemplar: 'sponge',
+  { type: '0-A', name: 'Even', follows: 'The same everywhere', exemplar: 'sponge',
     about: 'The same everywhere and in every direction. Only its size is set.', examples: 'Sponge, concrete, bread' },
-  { type: '0-B', name: 'Fibres', follows: 'a vector field', exemplar: 'muscle',
+  { type: '0-B', name: 'Fibres', follows: 'Follows a vector field', exemplar: 'muscle',
     about: 'The same everywhere, but it runs along strokes drawn on the skin and inside.', examples: 'Muscle, bamboo, felt' },
-  { type: '0-C', name: 'Flat fibres', follows: 'depth and directions', exemplar: 'flattened',
+  { type: '0-C', name: 'Flat fibres', follows: 'Follows depth and directions', exemplar: 'flattened',
     about: 'Three sections that differ: across the layers, along the strokes, and across both.',
     examples: 'Flattened fibres, brickwork' },
-  { type: '1-A', name: 'Layers', follows: 'depth', exemplar: 'watermelon',
+  { type: '1-A', name: 'Layers', follows: 'Follows depth', exemplar: 'watermelon',
     about: 'Changes from the skin to the core, and looks alike all around.', examples: 'Watermelon, cake, rock' },
-  { type: '1-B', name: 'Layers with a grain', follows: 'depth and directions', exemplar: 'kiwi',
+  { type: '1-B', name: 'Layers with a grain', follows: 'Follows depth and directions', exemplar: 'kiwi',
     about: 'Changes from the skin to the core, and sections along and across the strokes differ.',
     examples: 'Kiwi, carrot, tree' },
 ];

@@ -34,6 +34,11 @@ export function refreshCommand(context: Context, made: HTMLButtonElement, id: st
   made.dataset.tip = why ?? tip ?? command.label;
 }
 
+/** For rows of lists: what a row is about is marked in the view while it is pointed at. */
+export function pointAt({ store }: App, name: string): (on: boolean) => void {
+  return (on) => { if (on || store.state.pointed === name) store.set({ pointed: on ? name : null }); };
+}
+
 /** The letter of a tool, as shortcuts are shown. */
 export function keyOf(context: Context, name: ToolName): string | undefined {
   return context.app.toolbox.get(name)?.key.toUpperCase();

@@ -10,7 +10,7 @@ import { badge, empty, list, listRow, section, setNote, type Section } from '../
 import { many, write } from '../ui/numbers';
 import { numberField } from '../ui/slider';
 import { paletteCss } from '../view/looks';
-import { keyOf, type Context } from './context';
+import { keyOf, pointAt, type Context } from './context';
 import { optionRows } from './options';
 import { layerSlider } from './tooloptions';
 
@@ -31,7 +31,7 @@ function needed(state: State, need: Need): boolean {
 /* A section is there when its field is followed or given; what is given and not followed says so. */
 function mark(part: Section, state: State, need: Need, count: number): void {
   const follows = needed(state, need);
-  part.show(follows || count > 0 || need === 'depth');
+  part.show(follows || count > 0 || (need === 'depth' && !solidOf(state)));
   setNote(part, count > 0 && !follows && solidOf(state) ? badge('not used', 'plain', `Type ${solidOf(state)!.json.type ?? '1-B'} does not follow it.`)
     : follows && count === 0 ? badge('needed', 'bad') : count > 0 ? String(count) : null);
 }
@@ -76,7 +76,7 @@ function placed({ app }: Context, host: HTMLElement, build: (place: string) => C
 function constraintRow({ app }: Context, constraint: Json, path: string, index: number): HTMLElement {
   const depth = constraint.depth as number, words = constraintWords(constraint);
   return listRow({
-    icon: words.icon, lead: h('span', { class: 'depth-dot', style: `--colour: ${paletteCss(depth)}`, 'aria-hidden': 'true' }), text: words.text, detail: words.detail, actions: [
+    icon: words.icon, point: pointAt(app, `depth ${index}`), lead: h('span', { class: 'depth-dot', style: `--colour: ${paletteCss(depth)}`, 'aria-hidden': 'true' }), text: words.text, detail: words.detail, actions: [
       numberField(`Depth of ${words.text}`, { min: 0, max: 1 }, depth, (value) => void setValue(app, 'Set depth', `${path}.depth`, value),
         { key: path }).element,
       iconButton('trash', `Remove ${words.text}`, () => void operate(app, 'Remove depth', { op: 'stroke.remove', list: 'depth', index }),
@@ -111,7 +111,7 @@ function depthLooks(context: Context): HTMLElement {
 
 function strokeRows(context: Context, name: string, where: string, strokes: Point[][], of: string): Child {
   return list(name, strokes.map((stroke, i) => listRow({
-    icon: 'stroke', text: `Stroke ${i + 1}`, detail: `${where}${many(stroke.length, 'point')}`,
+    icon: 'stroke', point: pointAt(context.app, `${of} ${i}`), text: `Stroke ${i + 1}`, detail: `${where}${many(stroke.length, 'point')}`,
     actions: iconButton('trash', `Remove stroke ${i + 1}`,
       () => void operate(context.app, 'Remove stroke', { op: 'stroke.remove', list: of, index: i }), { look: 'plain', key: `${of} ${i}` }),
   })));
@@ -183,7 +183,7 @@ function scaleSection(context: Context): HTMLElement {
       const path = `${place}scale.points[${i}]`;
       const remove = (): void => void (points.length > 1 ? removeValue(app, 'Remove size', path) : operate(app, 'Remove size', { op: 'scale.clear' }));
       return listRow({
-        icon: 'scale', text: points.length > 1 ? `Size ${i + 1}` : 'Everywhere', detail: `at ${pointWords(point.point)}`, actions: [
+        icon: 'scale', point: pointAt(app, `scale ${i}`), text: points.length > 1 ? `Size ${i + 1}` : 'Everywhere', detail: `at ${pointWords(point.point)}`, actions: [
           numberField('Size', spec, point.size, (size) => void setValue(app, 'Set size', `${path}.size`, size), { key: path }).element,
           iconButton('trash', 'Remove size', remove, { look: 'plain', key: `${path}-` })],
       });

@@ -8,13 +8,13 @@ import { button, choice, iconButton, row } from '../ui/controls';
 import { h, live, set, type Child } from '../ui/dom';
 import { badge, empty, list, listRow, section, setNote } from '../ui/layout';
 import { numberField } from '../ui/slider';
-import { commandButton, keyOf, type Context } from './context';
+import { commandButton, keyOf, pointAt, type Context } from './context';
 import { Cube, exemplarName, typePicture } from './exemplars';
 import { optionRows } from './options';
 
 /** The sections of the tab, in order. */
-export function insidePanel(context: Context, recipe: HTMLElement): HTMLElement {
-  return h('div', { class: 'panel' }, bodiesSection(context), textureSection(context), recipe, pastesSection(context));
+export function insidePanel(context: Context, recipe: HTMLElement, shape: HTMLElement): HTMLElement {
+  return h('div', { class: 'panel' }, bodiesSection(context), textureSection(context), recipe, pastesSection(context), shape);
 }
 
 /** A body's state in a word and a colour. */
@@ -87,7 +87,7 @@ function typeCard(context: Context, type: string): Child {
     onclick: () => context.chooseType() },
   typePicture(type, 'type-mark'),
   h('span', { class: 'list-text' }, h('span', { class: 'list-title' }, facts?.name ?? type),
-    h('span', { class: 'list-detail' }, facts ? `Follows ${facts.follows}` : '')), h('span', { class: 'type-change' }, 'Change…'));
+    h('span', { class: 'list-detail' }, facts?.follows ?? '')), h('span', { class: 'type-change' }, 'Change…'));
 }
 
 function exemplarCard(context: Context, cube: Cube): HTMLElement {
@@ -138,7 +138,7 @@ function pastesSection(context: Context): HTMLElement {
     }
     const diagonal = app.model.diagonal();
     return list('Pastes, the last on top', pastes.map((paste, i) => listRow({
-      icon: 'paste', text: exemplarName(paste.exemplar), detail: `${i + 1} of ${pastes.length}`, actions: [
+      icon: 'paste', point: pointAt(app, `paste ${i}`), text: exemplarName(paste.exemplar), detail: `${i + 1} of ${pastes.length}`, actions: [
         numberField('Size', { min: 1e-9, max: 1e9, soft: [diagonal / 200, diagonal] }, paste.size,
           (size) => void operate(app, 'Size of paste', { op: 'paste.move', index: i, size }), { key: `paste ${i}` }).element,
         iconButton('trash', 'Remove', () => void operate(app, 'Remove paste', { op: 'paste.remove', index: i }),

@@ -9,6 +9,7 @@ import { fieldsPanel } from './fields';
 import { insidePanel } from './inside';
 import { lookPanel } from './look';
 import { recipeSection } from './recipe';
+import { shapeSection } from './shape';
 
 const widths: [number, number] = [264, 560];
 
@@ -20,7 +21,7 @@ const tabOf: { [tool in ToolName]?: State['tab'] } = {
 /** Builds the inspector with its edge. */
 export function inspector(context: Context): HTMLElement[] {
   const { store } = context.app;
-  const panels = { inside: insidePanel(context, recipeSection(context)), fields: fieldsPanel(context), cuts: cutsPanel(context), look: lookPanel(context) };
+  const panels = { inside: insidePanel(context, recipeSection(context), shapeSection(context)), fields: fieldsPanel(context), cuts: cutsPanel(context), look: lookPanel(context) };
   const bar = tabs('Inspector', [
     { id: 'inside', label: 'Inside', icon: 'solid', panel: panels.inside }, { id: 'fields', label: 'Fields', icon: 'lines', panel: panels.fields },
     { id: 'cuts', label: 'Cuts', icon: 'cut', panel: panels.cuts }, { id: 'look', label: 'Look', icon: 'camera', panel: panels.look },

@@ -43,6 +43,9 @@ export class Toolbox {
     this.viewport.element.dataset.tool = next?.name ?? '';
   }
 
+  /** Has a tool a drag? */
+  get busy(): boolean { return this.taken.size > 0; }
+
   /** Ends what is under way without doing it. */
   cancel(): void {
     this.taken.clear();

@@ -29,6 +29,8 @@ export interface RowParts {
   more?: Child;                     // under the row
   chosen?: boolean;
   choose?: () => void;
+  /** Told when the row is pointed at or has the focus, and when not any more. */
+  point?: (on: boolean) => void;
   key?: string;
   tip?: string;
 }
@@ -41,7 +43,8 @@ export function listRow(parts: RowParts): HTMLLIElement {
     ? h('button', { type: 'button', class: 'list-main', onclick: parts.choose, 'data-key': parts.key,
         'aria-pressed': parts.chosen ?? false, 'data-tip': parts.tip }, text)
     : h('span', { class: 'list-main', 'data-tip': parts.tip }, text);
-  return h('li', { class: parts.chosen ? 'list-row chosen' : 'list-row' },
+  const { point } = parts, on = point && (() => point(true)), off = point && (() => point(false));
+  return h('li', { class: parts.chosen ? 'list-row chosen' : 'list-row', onpointerenter: on, onpointerleave: off, onfocusin: on, onfocusout: off },
     h('div', { class: 'list-line' }, main, parts.actions && h('span', { class: 'list-actions' }, parts.actions)), parts.more);
 }
 
