@@ -88,9 +88,11 @@ bench: $(BUILD)/pith-configured
 	$(BUILD)/pith bench blend --csv > bench/results/blend.csv
 	$(BUILD)/pith bench volume --json > bench/results/volume.json
 
-gallery: $(BUILD)/pith-configured
+gallery: editor $(BUILD)/pith-configured
+	@tools/install-packages browser
 	@cmake --build $(BUILD) --target pith pith-tetgen -j $(JOBS) -- --no-print-directory -s
 	@tools/make-gallery $(BUILD)/pith docs/gallery
+	@node editor/bench/pictures.mjs docs/editor
 
 format:
 	@git ls-files '*.c' '*.h' | xargs clang-format -i

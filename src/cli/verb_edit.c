@@ -11,7 +11,7 @@
 #include "new.h"
 #include "pith/server.h"
 
-/* ---- the document -------------------------------------------------------------------------------------------------- */
+/* ---- the document ------------------------------------------------------------------------------------------------ */
 
 static bool is_mesh(const char *path)
 {
@@ -42,7 +42,7 @@ static pith_status find_document(const char *given, char *document, size_t capac
     return PITH_OK;
 }
 
-/* ---- the page ------------------------------------------------------------------------------------------------------ */
+/* ---- the page ---------------------------------------------------------------------------------------------------- */
 
 /* The folder of the page: as given, or beside the program. */
 static pith_status find_page(const char *given, char *folder, size_t capacity, pith_error *err)
@@ -79,7 +79,7 @@ static void open_browser(const char *address)
     posix_spawn_file_actions_destroy(&files);
 }
 
-/* ---- serving ------------------------------------------------------------------------------------------------------- */
+/* ---- serving ----------------------------------------------------------------------------------------------------- */
 
 static pith_server *running;    /* for the signal handler */
 
@@ -146,12 +146,17 @@ int verb_edit(int argc, char **argv)
         CLI_CACHE_FLAG(common),
     };
     cli_line line = {
-        .verb = "edit", .words = "DOCUMENT|MESH", .least_words = 1, .most_words = 1, .flags = flags,
+        .verb = "edit",
+        .words = "DOCUMENT|MESH",
+        .least_words = 1,
+        .most_words = 1,
+        .flags = flags,
         .flag_count = sizeof flags / sizeof *flags,
-        .summary = "Opens a document in the browser, to paint, draw, cut and look. For a mesh, NAME.pith beside it is\n"
-                   "opened, and made first when it is not there (as pith new MESH NAME.pith does). Prints the address,\n"
-                   "which only this machine can reach, and serves until it is interrupted. What is not saved yet is\n"
-                   "kept beside the document (NAME.pith.unsaved).",
+        .summary =
+            "Opens a document in the browser, to paint, draw, cut and look. For a mesh, NAME.pith beside it is\n"
+            "opened, and made first when it is not there (as pith new MESH NAME.pith does). Prints the address,\n"
+            "which only this machine can reach, and serves until it is interrupted. What is not saved yet is\n"
+            "kept beside the document (NAME.pith.unsaved).",
     };
     const int code = cli_parse(&line, argc, argv);
     if (code != CLI_GO_ON) return code;

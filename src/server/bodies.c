@@ -1,5 +1,5 @@
-/* Bodies as the text of a document tells them. The document was checked when it was read: what is asked here is there, or
-   is left out. */
+/* Bodies as the text of a document tells them. The document was checked when it was read: what is asked here is
+   there, or is left out. */
 #include "bodies.h"
 
 #include <string.h>
@@ -60,14 +60,16 @@ pith_status body_find(const held_document *held, const char *name, size_t *index
         return pith_fail(err, PITH_BAD_ARGUMENT, "body: is missing, and the document has %zu; e.g. \"%s\"", count,
                          names[0]);
     if (!names[0][0])
-        return pith_fail(err, PITH_BAD_ARGUMENT, "body: is \"%.60s\", but the document's only body has no name; leave it "
-                         "out", name);
+        return pith_fail(err, PITH_BAD_ARGUMENT,
+                         "body: is \"%.60s\", but the document's only body has no name; leave it "
+                         "out",
+                         name);
     const char *near = pith_nearest_word(name, names);
     return pith_fail(err, PITH_BAD_ARGUMENT, "body: no body is called \"%.60s\"%s%s%s", name,
                      near ? "; did you mean \"" : "", near ? near : "", near ? "\"?" : "");
 }
 
-/* ---- signatures ---------------------------------------------------------------------------------------------------- */
+/* ---- signatures -------------------------------------------------------------------------------------------------- */
 
 static int add_to_hash(const char *bytes, size_t size, void *hash)
 {

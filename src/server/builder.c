@@ -66,7 +66,7 @@ static void job_destroy(job *gone)
     pith_free(gone);
 }
 
-/* ---- telling ------------------------------------------------------------------------------------------------------- */
+/* ---- telling ----------------------------------------------------------------------------------------------------- */
 
 static json_t *seconds_json(double seconds) { return seconds >= 0 ? json_real(seconds) : json_null(); }
 
@@ -104,7 +104,7 @@ static bool report(void *user, double fraction, const char *what)
     return !atomic_load(&to->at->cancelled);
 }
 
-/* ---- building ------------------------------------------------------------------------------------------------------ */
+/* ---- building ---------------------------------------------------------------------------------------------------- */
 
 /* A model that shares what this one has so far. */
 static pith_status copy_of(const pith_model *model, held_document *held, built_model **made, pith_error *err)
@@ -245,7 +245,7 @@ static void *work(void *user)
     return NULL;
 }
 
-/* ---- jobs ---------------------------------------------------------------------------------------------------------- */
+/* ---- jobs -------------------------------------------------------------------------------------------------------- */
 
 /* Cancels what `which` says of jobs that wait or run; those that waited are told and gone. The lock is held. */
 static bool cancel_where(builder *own, bool (*which)(const job *at, const void *wanted), const void *wanted)
@@ -378,7 +378,7 @@ builder_failure builder_last_failure(builder *own)
     return failure;
 }
 
-/* ---- life ---------------------------------------------------------------------------------------------------------- */
+/* ---- life -------------------------------------------------------------------------------------------------------- */
 
 pith_status builder_create(outbox *out, bool cache, const builder_calls *calls, builder **made, pith_error *err)
 {

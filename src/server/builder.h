@@ -60,7 +60,7 @@ void builder_cancel_pictures(builder *own, uint32_t socket);
 typedef struct builder_failure { uint64_t signature; size_t body; char message[600]; } builder_failure;
 builder_failure builder_last_failure(builder *own);
 
-/* ---- pictures.c ------------------------------------------------------------------------------------------------------ */
+/* ---- pictures.c -------------------------------------------------------------------------------------------------- */
 
 /* Makes the pictures of a job, coarse to fine, and puts each into the outbox. model: of wish->held. */
 pith_status picture_make(const picture_wish *wish, uint32_t job, pith_model *model, const pith_progress *progress,

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- the verbs ----------------------------------------------------------------------------------------------------- */
+/* ---- the verbs --------------------------------------------------------------------------------------------------- */
 
 #define NO_MORE { NULL, ARGUMENT_TEXT, false, 0, 0, NULL }
 #define REVISION { "revision", ARGUMENT_WHOLE, true, 0, 9007199254740992.0, NULL }
@@ -109,7 +109,7 @@ const verb editor_verbs[] = {
     { NULL, false, NULL, false, NULL },
 };
 
-/* ---- a message ----------------------------------------------------------------------------------------------------- */
+/* ---- a message --------------------------------------------------------------------------------------------------- */
 
 /* Runs what is asked, and answers now unless somebody else will. */
 static void run(editor *own, request *asked, void (*admit)(void *user, uint32_t socket), void *user)
@@ -155,7 +155,7 @@ void editor_message(editor *own, uint32_t socket, bool binary, const unsigned ch
 
 void editor_gone(editor *own, uint32_t socket) { builder_cancel_pictures(own->build, socket); }
 
-/* ---- life ---------------------------------------------------------------------------------------------------------- */
+/* ---- life -------------------------------------------------------------------------------------------------------- */
 
 file_places editor_places(const editor *own)
 {

@@ -44,8 +44,8 @@ pith_status editor_open(const char *path, const editor_options *options, outbox 
 /* Ends the work and its threads. */
 void editor_close(editor *own);
 void editor_woken(editor *own);
-/* One message of a page, answered through the outbox. `admit` (may be NULL) is called when the socket says hello, before
-   anything is sent to it. */
+/* One message of a page, answered through the outbox. `admit` (may be NULL) is called when the socket says hello,
+   before anything is sent to it. */
 void editor_message(editor *own, uint32_t socket, bool binary, const unsigned char *bytes, size_t size,
                     void (*admit)(void *user, uint32_t socket), void *user);
 
@@ -58,7 +58,7 @@ file_places editor_places(const editor *own);
 /* The table of all verbs; the last has no name. */
 extern const verb editor_verbs[];
 
-/* ---- the document: requests_document.c ------------------------------------------------------------------------------ */
+/* ---- the document: requests_document.c --------------------------------------------------------------------------- */
 
 pith_status do_hello(editor *own, request *asked, pith_error *err);
 pith_status do_apply(editor *own, request *asked, pith_error *err);
@@ -67,25 +67,25 @@ pith_status do_redo(editor *own, request *asked, pith_error *err);
 pith_status do_save(editor *own, request *asked, pith_error *err);
 pith_status do_revert(editor *own, request *asked, pith_error *err);
 
-/* ---- building: requests_build.c -------------------------------------------------------------------------------------- */
+/* ---- building: requests_build.c ---------------------------------------------------------------------------------- */
 
 pith_status do_update(editor *own, request *asked, pith_error *err);
 pith_status do_cancel(editor *own, request *asked, pith_error *err);
 pith_status do_automatic(editor *own, request *asked, pith_error *err);
 /* The present document is another: the viewer is told. */
 void build_document_changed(editor *own);
-/* The viewer or the builder has news: pages are told what is known of the bodies, and what the present document calls for
-   is built, where that is to happen by itself. */
+/* The viewer or the builder has news: pages are told what is known of the bodies, and what the present document calls
+   for is built, where that is to happen by itself. */
 void build_look(editor *own);
 /* The list "bodies" of events, as far as is known; a new reference. */
 json_t *build_bodies(const editor *own);
 
-/* ---- files: requests_files.c ----------------------------------------------------------------------------------------- */
+/* ---- files: requests_files.c ------------------------------------------------------------------------------------- */
 
 pith_status do_files(editor *own, request *asked, pith_error *err);
 pith_status do_file_put(editor *own, request *asked, pith_error *err);
 
-/* ---- looking: requests_look.c ---------------------------------------------------------------------------------------- */
+/* ---- looking: requests_look.c ------------------------------------------------------------------------------------ */
 
 pith_status do_layer(editor *own, request *asked, pith_error *err);
 pith_status do_lines(editor *own, request *asked, pith_error *err);
@@ -93,7 +93,7 @@ pith_status do_section(editor *own, request *asked, pith_error *err);
 pith_status do_exemplar(editor *own, request *asked, pith_error *err);
 pith_status do_recipe(editor *own, request *asked, pith_error *err);
 
-/* ---- pictures: requests_picture.c ------------------------------------------------------------------------------------ */
+/* ---- pictures: requests_picture.c -------------------------------------------------------------------------------- */
 
 pith_status do_picture(editor *own, request *asked, pith_error *err);
 

@@ -25,7 +25,7 @@ struct errands {
     errand *first, **end;
 };
 
-/* ---- one exemplar -------------------------------------------------------------------------------------------------- */
+/* ---- one exemplar ------------------------------------------------------------------------------------------------ */
 
 /* Recipes repeat along r and t, and along s when they are made so; of other exemplars nobody says. */
 static json_t *wraps(const errands *own, const json_t *exemplar)
@@ -99,7 +99,7 @@ static void run(errands *own, errand *at)
     outbox_put(own->out, at->socket, made);
 }
 
-/* ---- the thread ---------------------------------------------------------------------------------------------------- */
+/* ---- the thread -------------------------------------------------------------------------------------------------- */
 
 static void *work(void *user)
 {

@@ -13,7 +13,7 @@
 
 enum { MOST_LISTED = 2000, DEEPEST = 5, MOST_RECIPE = 1 << 20, LONGEST_NAME = 100 };
 
-/* ---- reach --------------------------------------------------------------------------------------------------------- */
+/* ---- reach ------------------------------------------------------------------------------------------------------- */
 
 /* Where a path of a document in the folder leads; false when there is nothing. */
 static bool follow(const file_places *places, const char *path, char found[PATH_MAX])
@@ -66,14 +66,16 @@ pith_status files_check(const file_places *places, const json_t *value, const js
     const char *key, *text = json_string_value(value);
     json_t *inner;
     if (text && strlen(text) < PATH_MAX && files_beyond(places, text) && !(known && has_text(known, text)))
-        return pith_fail(err, PITH_BAD_ARGUMENT, "%.300s is neither in the document's folder, nor below it, nor shipped "
-                         "with pith; copy it there first", text);
+        return pith_fail(err, PITH_BAD_ARGUMENT,
+                         "%.300s is neither in the document's folder, nor below it, nor shipped "
+                         "with pith; copy it there first",
+                         text);
     json_array_foreach((json_t *)value, i, inner) PITH_TRY(files_check(places, inner, known, err));
     json_object_foreach((json_t *)value, key, inner) PITH_TRY(files_check(places, inner, known, err));
     return PITH_OK;
 }
 
-/* ---- lists --------------------------------------------------------------------------------------------------------- */
+/* ---- lists ------------------------------------------------------------------------------------------------------- */
 
 static const struct { const char *kind, *extensions[8]; } kinds[] = {
     { "mesh", { "obj", "ply", "stl", "off", "glb" } },
@@ -150,19 +152,23 @@ json_t *files_list(const file_places *places, const char *kind)
     return to.list;
 }
 
-/* ---- new files ----------------------------------------------------------------------------------------------------- */
+/* ---- new files --------------------------------------------------------------------------------------------------- */
 
 static pith_status check_name(const char *name, pith_error *err)
 {
     static const char allowed[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789.-_";
     const size_t length = strlen(name);
     if (length == 0 || length > LONGEST_NAME || name[0] == '.' || strspn(name, allowed) != length)
-        return pith_fail(err, PITH_BAD_ARGUMENT, "name: is \"%.120s\", expected 1 to %d letters, digits, '.', '-' and '_', "
-                         "the first no dot", name, LONGEST_NAME);
+        return pith_fail(err, PITH_BAD_ARGUMENT,
+                         "name: is \"%.120s\", expected 1 to %d letters, digits, '.', '-' and '_', "
+                         "the first no dot",
+                         name, LONGEST_NAME);
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; ++i)
         if (has_kind(name, kinds[i].kind)) return PITH_OK;
-    return pith_fail(err, PITH_BAD_ARGUMENT, "name: %s has no extension that pith reads (obj, ply, stl, off, glb, nrrd, "
-                     "nhdr, png, jpg, json, pith)", name);
+    return pith_fail(err, PITH_BAD_ARGUMENT,
+                     "name: %s has no extension that pith reads (obj, ply, stl, off, glb, nrrd, "
+                     "nhdr, png, jpg, json, pith)",
+                     name);
 }
 
 /* The content first goes to a file of another name, whose link then fails where there is one already. */
@@ -195,11 +201,12 @@ pith_status files_place(const file_places *places, const char *file, bool replac
         const int length = snprintf(whole, sizeof whole, "%s/%s", found, name);
         if (length > 0 && (size_t)length < capacity && is_below(places->folder, strlen(places->folder) - 1, whole)) {
             if (!replace && access(whole, F_OK) == 0)
-                return pith_fail(err, PITH_BAD_ARGUMENT, "file: there is a file %.200s already; force replaces it", file);
+                return pith_fail(err, PITH_BAD_ARGUMENT, "file: there is a file %.200s already; force replaces it",
+                                 file);
             memcpy(path, whole, (size_t)length + 1);
             return PITH_OK;
         }
     }
-    return pith_fail(err, PITH_BAD_ARGUMENT, "file: is \"%.200s\", expected a place in the document's folder or below it",
-                     file);
+    return pith_fail(err, PITH_BAD_ARGUMENT,
+                     "file: is \"%.200s\", expected a place in the document's folder or below it", file);
 }

@@ -1,4 +1,5 @@
-/* Files that pages may know of and bring in: those in the document's folder and below it, and those shipped with pith. */
+/* Files that pages may know of and bring in: those in the document's folder and below it, and those shipped with
+   pith. */
 #ifndef PITH_SERVER_FILES_H
 #define PITH_SERVER_FILES_H
 

@@ -1,6 +1,6 @@
-/* The packets that show a model, as docs/protocol.md lays them out ("The view"). They are made by the thread that has the
-   model, from what is built: the mesh for `mesh`, tets and solid for `solid`, tets for `view`. What else they show (depth,
-   layers) they show where pith_model_built says that it is there, so that nothing here takes long. */
+/* The packets that show a model, as docs/protocol.md lays them out ("The view"). They are made by the thread that has
+   the model, from what is built: the mesh for `mesh`, tets and solid for `solid`, tets for `view`. What else they
+   show (depth, layers) they show where pith_model_built says that it is there, so that nothing here takes long. */
 #ifndef PITH_SERVER_PACK_H
 #define PITH_SERVER_PACK_H
 

@@ -17,7 +17,7 @@ _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "packets are copied, n
 
 static size_t padded(size_t size) { return (size + 3) & ~(size_t)3; }
 
-/* ---- finished packets ---------------------------------------------------------------------------------------------- */
+/* ---- finished packets -------------------------------------------------------------------------------------------- */
 
 enum { KIND_ROOM = 24, SLOT_ROOM = 200 };
 
@@ -81,7 +81,7 @@ pith_status packet_of_json(json_t *message, packet **made, pith_error *err)
     return PITH_OK;
 }
 
-/* ---- making -------------------------------------------------------------------------------------------------------- */
+/* ---- making ------------------------------------------------------------------------------------------------------ */
 
 typedef struct packet_part {
     packet_type type;
@@ -209,7 +209,7 @@ pith_status packet_finish(packet_maker *maker, packet **made, pith_error *err)
     return status;
 }
 
-/* ---- reading ------------------------------------------------------------------------------------------------------- */
+/* ---- reading ----------------------------------------------------------------------------------------------------- */
 
 static int type_of(const char *word)
 {
@@ -230,9 +230,10 @@ static pith_status read_entry(const packet_view *view, const char *name, const j
     const json_int_t from = json_integer_value(start), values = json_integer_value(length);
     if (from < 0 || from % 4 != 0 || values < 0 || (uint64_t)from > view->arrays_size ||
         (uint64_t)values > (view->arrays_size - (uint64_t)from) / types[*type].size)
-        return pith_fail(err, PITH_BAD_ARGUMENT, "arrays.%s: %lld values from byte %lld on do not lie, at a multiple of "
-                         "4, in the %zu bytes behind the text", name, (long long)values, (long long)from,
-                         view->arrays_size);
+        return pith_fail(err, PITH_BAD_ARGUMENT,
+                         "arrays.%s: %lld values from byte %lld on do not lie, at a multiple of "
+                         "4, in the %zu bytes behind the text",
+                         name, (long long)values, (long long)from, view->arrays_size);
     *offset = (size_t)from;
     *count = (size_t)values;
     return PITH_OK;
@@ -244,8 +245,10 @@ pith_status packet_read(const unsigned char *bytes, size_t size, packet_view *vi
     if (size < 4) return pith_fail(err, PITH_BAD_ARGUMENT, "the packet has %zu bytes, fewer than its head", size);
     memcpy(&length, bytes, 4);
     if (length % 4 != 0 || length > size - 4)
-        return pith_fail(err, PITH_BAD_ARGUMENT, "the packet says its text has %u bytes, expected a multiple of 4 up to "
-                         "the %zu there are", length, size - 4);
+        return pith_fail(err, PITH_BAD_ARGUMENT,
+                         "the packet says its text has %u bytes, expected a multiple of 4 up to "
+                         "the %zu there are",
+                         length, size - 4);
     json_error_t problem;
     packet_view made = { .arrays = bytes + 4 + length, .arrays_size = size - 4 - length };
     made.text = json_loadb((const char *)bytes + 4, length, JSON_REJECT_DUPLICATES, &problem);

@@ -14,8 +14,8 @@ typedef struct page_file {
 } page_file;
 
 typedef struct page_files page_files;
-/* Reads the files of a folder and the folders in it that have an extension a page needs; names that begin with a dot are
-   passed over. PITH_IO when there is no index.html, or when they are more than 64 MiB or 1000 files. */
+/* Reads the files of a folder and the folders in it that have an extension a page needs; names that begin with a dot
+   are passed over. PITH_IO when there is no index.html, or when they are more than 64 MiB or 1000 files. */
 pith_status page_files_read(const char *folder, page_files **files, pith_error *err);
 void page_files_destroy(page_files *files);
 /* The file of exactly this name, "/" being "/index.html"; NULL when there is none. */

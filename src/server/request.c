@@ -6,7 +6,7 @@
 
 enum { LONGEST_TEXT = 4000, MOST_NAMES = 40 };
 
-/* ---- one argument -------------------------------------------------------------------------------------------------- */
+/* ---- one argument ------------------------------------------------------------------------------------------------ */
 
 static pith_status check_text(const argument *rule, const json_t *value, pith_error *err)
 {
@@ -51,14 +51,15 @@ static pith_status check_argument(const argument *rule, const json_t *value, pit
                 return pith_fail(err, PITH_BAD_ARGUMENT, "%s: expected [x, y, z]", rule->name);
         return PITH_OK;
     case ARGUMENT_OBJECT:
-        return json_is_object(value) ? PITH_OK : pith_fail(err, PITH_BAD_ARGUMENT, "%s: expected an object", rule->name);
+        return json_is_object(value) ? PITH_OK
+                                     : pith_fail(err, PITH_BAD_ARGUMENT, "%s: expected an object", rule->name);
     case ARGUMENT_LIST:
         return json_is_array(value) ? PITH_OK : pith_fail(err, PITH_BAD_ARGUMENT, "%s: expected a list", rule->name);
     }
     return PITH_OK;
 }
 
-/* ---- the whole request --------------------------------------------------------------------------------------------- */
+/* ---- the whole request ------------------------------------------------------------------------------------------- */
 
 static const verb *find_verb(const verb *verbs, const char *name, const char **near)
 {
@@ -133,7 +134,7 @@ bool request_switch(const request *asked, const char *name, bool standard)
     return value ? json_is_true(value) : standard;
 }
 
-/* ---- answers ------------------------------------------------------------------------------------------------------- */
+/* ---- answers ----------------------------------------------------------------------------------------------------- */
 
 packet *request_success(json_int_t id, json_t *keys)
 {

@@ -47,8 +47,8 @@ bool request_switch(const request *asked, const char *name, bool standard);
    missing or unknown. */
 pith_status request_check(const verb *verbs, request *asked, const verb **found, pith_error *err);
 
-/* The answers: {"id", "ok": true, …} with the keys of `keys` (taken over; may be NULL), and {"id", "ok": false, "status",
-   "message"}. NULL when memory is out. */
+/* The answers: {"id", "ok": true, …} with the keys of `keys` (taken over; may be NULL), and {"id", "ok": false,
+   "status", "message"}. NULL when memory is out. */
 packet *request_success(json_int_t id, json_t *keys);
 packet *request_failure(json_int_t id, const char *status, const char *message);
 

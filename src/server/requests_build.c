@@ -5,10 +5,10 @@
 #include "bodies.h"
 #include "editor.h"
 
-/* ---- what is known of the bodies ----------------------------------------------------------------------------------- */
+/* ---- what is known of the bodies --------------------------------------------------------------------------------- */
 
-/* Why a body cannot be filled as the present document stands, or NULL: it has nothing to be filled with, or building what
-   the document says has failed. */
+/* Why a body cannot be filled as the present document stands, or NULL: it has nothing to be filled with, or building
+   what the document says has failed. */
 static const char *reason(const held_document *held, size_t index, const builder_failure *failure, uint64_t signature)
 {
     if (!body_has_solid(held, index)) return "it has no solid yet; give it one to fill it with";
@@ -56,7 +56,7 @@ static void tell_bodies(editor *own)
     own->told_bodies = text;
 }
 
-/* ---- what a change calls for --------------------------------------------------------------------------------------- */
+/* ---- what a change calls for ------------------------------------------------------------------------------------- */
 
 void build_document_changed(editor *own)
 {
@@ -74,8 +74,8 @@ static bool is_wanting(const editor *own)
     return false;
 }
 
-/* Starts an update where one is due: not when one for the same is under way, was the last to be done (the viewer has not
-   looked at it yet), has failed or was cancelled by somebody. */
+/* Starts an update where one is due: not when one for the same is under way, was the last to be done (the viewer has
+   not looked at it yet), has failed or was cancelled by somebody. */
 static void build_what_is_due(editor *own)
 {
     if (!own->automatic || !own->state || own->state->revision != session_revision(own->opened)) return;
@@ -115,7 +115,7 @@ void build_look(editor *own)
     build_what_is_asked(own);
 }
 
-/* ---- requests ------------------------------------------------------------------------------------------------------ */
+/* ---- requests ---------------------------------------------------------------------------------------------------- */
 
 pith_status do_update(editor *own, request *asked, pith_error *err)
 {

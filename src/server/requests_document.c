@@ -5,7 +5,7 @@
 
 #include "editor.h"
 
-/* ---- what a document is like --------------------------------------------------------------------------------------- */
+/* ---- what a document is like ------------------------------------------------------------------------------------- */
 
 static json_t *names(const session *opened, const char *(*name)(const session *opened, size_t i))
 {
@@ -95,7 +95,7 @@ pith_status do_hello(editor *own, request *asked, pith_error *err)
     return PITH_OK;
 }
 
-/* ---- changes ------------------------------------------------------------------------------------------------------- */
+/* ---- changes ----------------------------------------------------------------------------------------------------- */
 
 /* Is the page up to date? Else what it wants to change is not what there is. */
 static pith_status check_revision(const editor *own, request *asked, pith_error *err)
@@ -178,7 +178,7 @@ pith_status do_revert(editor *own, request *asked, pith_error *err)
     return PITH_OK;
 }
 
-/* ---- saving -------------------------------------------------------------------------------------------------------- */
+/* ---- saving ------------------------------------------------------------------------------------------------------ */
 
 /* A copy elsewhere; the session goes on with the file it came from. */
 static pith_status save_copy(editor *own, request *asked, const char *file, pith_error *err)

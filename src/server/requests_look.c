@@ -5,7 +5,7 @@
 #include "bodies.h"
 #include "editor.h"
 
-/* ---- questions for the viewer -------------------------------------------------------------------------------------- */
+/* ---- questions for the viewer ------------------------------------------------------------------------------------ */
 
 static pith_status ask_viewer(editor *own, request *asked, question_kind kind, pith_error *err)
 {
@@ -33,7 +33,7 @@ pith_status do_section(editor *own, request *asked, pith_error *err)
     return ask_viewer(own, asked, QUESTION_SECTION, err);
 }
 
-/* ---- exemplars ----------------------------------------------------------------------------------------------------- */
+/* ---- exemplars --------------------------------------------------------------------------------------------------- */
 
 /* The exemplar of a body's solid as the present document has it; borrowed. */
 static pith_status find_exemplar(const editor *own, const request *asked, const json_t **exemplar, pith_error *err)
@@ -67,7 +67,7 @@ pith_status do_exemplar(editor *own, request *asked, pith_error *err)
     return PITH_OK;
 }
 
-/* ---- recipes ------------------------------------------------------------------------------------------------------- */
+/* ---- recipes ----------------------------------------------------------------------------------------------------- */
 
 /* A recipe's text, for a page that puts it into the document: checked as one, and its photograph's path as the document
    would write it. */

@@ -1,4 +1,5 @@
-/* The server as its users see it: the sockets on one side, the editor on the other, and what carries messages between. */
+/* The server as its users see it: the sockets on one side, the editor on the other, and what carries messages
+   between. */
 #include "pith/server.h"
 
 #include <stdio.h>

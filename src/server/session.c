@@ -19,7 +19,7 @@
 enum { KEPT_DOCUMENTS = 24, NAME_ROOM = 120 };
 static const size_t most_text = (size_t)256 << 20;
 
-/* ---- counted documents --------------------------------------------------------------------------------------------- */
+/* ---- counted documents ------------------------------------------------------------------------------------------- */
 
 typedef struct counted { held_document shown; atomic_int holders; } counted;
 
@@ -56,7 +56,7 @@ pith_status document_count(pith_document *document, held_document **made, pith_e
     return status;
 }
 
-/* ---- the session --------------------------------------------------------------------------------------------------- */
+/* ---- the session ------------------------------------------------------------------------------------------------- */
 
 typedef struct step {
     char name[NAME_ROOM];
@@ -115,7 +115,7 @@ static void copy_name(char to[NAME_ROOM], const char *name)
     to[length] = 0;
 }
 
-/* ---- the file beside the document ---------------------------------------------------------------------------------- */
+/* ---- the file beside the document -------------------------------------------------------------------------------- */
 
 /* Keeps this text for the next start; nothing is kept that the document's file says as well. */
 static pith_status keep_unsaved(const session *own, const char *text, pith_error *err)
@@ -160,7 +160,7 @@ static pith_status claim(session *own, pith_error *err)
                      own->path);
 }
 
-/* ---- history ------------------------------------------------------------------------------------------------------- */
+/* ---- history ----------------------------------------------------------------------------------------------------- */
 
 /* Old documents go, their texts stay; when even texts are too many, the oldest steps go. */
 static void forget_old(session *own)
@@ -261,7 +261,7 @@ pith_status session_redo(session *opened, pith_error *err)
     return go_to(opened, opened->at + 1, err);
 }
 
-/* ---- the file ------------------------------------------------------------------------------------------------------ */
+/* ---- the file ---------------------------------------------------------------------------------------------------- */
 
 /* Reads the document's file; on success the session knows it. */
 static pith_status read_disk(session *own, held_document **held, pith_error *err)
@@ -332,7 +332,7 @@ pith_status session_save_copy(session *opened, const char *path, pith_error *err
     return pith_file_write(path, text, strlen(text), err);
 }
 
-/* ---- life ---------------------------------------------------------------------------------------------------------- */
+/* ---- life -------------------------------------------------------------------------------------------------------- */
 
 /* The document that a former session left unsaved becomes the second step. One that cannot be opened is put aside under
    another name, so that it is not written over. */

@@ -9,8 +9,8 @@
 
 #include "pith/document.h"
 
-/* A document that is counted, with its text (as pith_document_json gives it) and the same as JSON. Nobody changes any of
-   it; the JSON is only looked at, in whatever thread, and handed on as copies or as text. */
+/* A document that is counted, with its text (as pith_document_json gives it) and the same as JSON. Nobody changes any
+   of it; the JSON is only looked at, in whatever thread, and handed on as copies or as text. */
 typedef struct held_document {
     pith_document *document;
     char *text;
@@ -40,8 +40,8 @@ held_document *session_present(const session *opened);  /* borrowed */
 uint64_t session_revision(const session *opened);
 bool session_saved(const session *opened);              /* is it what was last read from or written to the file? */
 bool session_recovered(const session *opened);          /* were unsaved changes found at the start? */
-/* What led to the present step; "" for the first. Names of what undo (-1) and redo (+1) would take back or do again, the
-   next first: the i-th, NULL behind the last. */
+/* What led to the present step; "" for the first. Names of what undo (-1) and redo (+1) would take back or do again,
+   the next first: the i-th, NULL behind the last. */
 const char *session_step_name(const session *opened);
 const char *session_undo_name(const session *opened, size_t i);
 const char *session_redo_name(const session *opened, size_t i);

@@ -49,7 +49,7 @@ struct transport {
     unsigned char scratch[LWS_PRE + AT_ONCE];
 };
 
-/* ---- who may come in ----------------------------------------------------------------------------------------------- */
+/* ---- who may come in --------------------------------------------------------------------------------------------- */
 
 /* A header that is not there, or is longer than anything right could be, is "". */
 static void copy_header(struct lws *wsi, enum lws_token_indexes token, char *text, int capacity)
@@ -119,7 +119,7 @@ static unsigned int judge_upgrade(const transport *server, struct lws *wsi, cons
     return HTTP_STATUS_SERVICE_UNAVAILABLE;
 }
 
-/* ---- HTTP ---------------------------------------------------------------------------------------------------------- */
+/* ---- HTTP -------------------------------------------------------------------------------------------------------- */
 
 /* An answer's head with the headers that every answer has. */
 static int send_head(transport *server, struct lws *wsi, unsigned int status, const char *type, size_t size,
@@ -213,7 +213,7 @@ static int on_http_event(struct lws *wsi, enum lws_callback_reasons reason, void
     }
 }
 
-/* ---- WebSockets: what comes in ------------------------------------------------------------------------------------- */
+/* ---- WebSockets: what comes in ----------------------------------------------------------------------------------- */
 
 static int on_established(transport *server, seat *own, struct lws *wsi)
 {
@@ -279,7 +279,7 @@ static int on_receive(transport *server, seat *own, const void *bytes, size_t si
     return 0;
 }
 
-/* ---- WebSockets: what goes out ------------------------------------------------------------------------------------- */
+/* ---- WebSockets: what goes out ----------------------------------------------------------------------------------- */
 
 /* The next piece of the first packet. It is copied, since the library writes its frame's head in front of it, and other
    sockets send the same packet. */
@@ -378,7 +378,7 @@ static int on_socket_event(struct lws *wsi, enum lws_callback_reasons reason, vo
     }
 }
 
-/* ---- life ---------------------------------------------------------------------------------------------------------- */
+/* ---- life -------------------------------------------------------------------------------------------------------- */
 
 /* Can the port be had? Asked before the library is, which does not say why not. Gives a free one for 0. */
 static pith_status try_port(uint32_t *port, pith_error *err)

@@ -1,8 +1,7 @@
 /* Sockets: plain HTTP for the files of the page, one WebSocket for everything else (docs/protocol.md, "Transport").
-
    All of it happens in one thread, the one that calls transport_serve; only transport_wake and transport_stop are for
-   others. What comes in is checked for what a stranger could send: who asks, from where, how much, and whether texts are
-   UTF-8. What it says is the business of whoever made the transport. */
+   others. What comes in is checked for what a stranger could send: who asks, from where, how much, and whether texts
+   are UTF-8. What it says is the business of whoever made the transport. */
 #ifndef PITH_SERVER_TRANSPORT_H
 #define PITH_SERVER_TRANSPORT_H
 
@@ -35,8 +34,8 @@ void transport_wake(transport *server);     /* from any thread */
 void transport_stop(transport *server);     /* from any thread, and from a signal handler */
 
 /* Queues a packet for a socket, or for every admitted one (OUTBOX_ALL); holds it as long as needed. Sockets that are
-   gone are passed over. A page that does not read gets no more than the newest packet of each slot, and loses its socket
-   when what waits is above 1 GiB or 4096 packets all the same. */
+   gone are passed over. A page that does not read gets no more than the newest packet of each slot, and loses its
+   socket when what waits is above 1 GiB or 4096 packets all the same. */
 void transport_send(transport *server, uint32_t socket, packet *sent);
 /* From now on the socket gets what is sent to all. */
 void transport_admit(transport *server, uint32_t socket);

@@ -32,9 +32,10 @@ void viewer_destroy(viewer *gone);
 void viewer_document(viewer *own, held_document *held, uint64_t revision);  /* the present document is another */
 void viewer_arrive(viewer *own, built_model *made);                         /* takes the model over */
 void viewer_hello(viewer *own, uint32_t socket);                            /* sends it all that there is to see */
-/* A question about what is shown, answered to the socket by a packet or a refusal; `asked` are the keys of the request, and
-   are taken over, also after a failure. It waits until there is a model to look at. One that a newer question of the same
-   socket makes useless (the layer of another depth) is refused as superseded when it still waits. */
+/* A question about what is shown, answered to the socket by a packet or a refusal; `asked` are the keys of the
+   request, and are taken over, also after a failure. It waits until there is a model to look at. One that a newer
+   question of the same socket makes useless (the layer of another depth) is refused as superseded when it still
+   waits. */
 typedef enum question_kind { QUESTION_LAYER, QUESTION_LINES, QUESTION_SECTION } question_kind;
 pith_status viewer_ask(viewer *own, question_kind kind, uint32_t socket, json_int_t id, json_t *asked, pith_error *err);
 /* Refuses all that waits: there will be no model to look at. */

@@ -6,7 +6,7 @@
 #include "pack.h"
 #include "viewer_internal.h"
 
-/* ---- models -------------------------------------------------------------------------------------------------------- */
+/* ---- models ------------------------------------------------------------------------------------------------------ */
 
 const built_model *viewer_shown(const viewer *own) { return own->cut ? own->cut : own->base; }
 
@@ -39,8 +39,8 @@ static pith_status cut_document(const viewer *own, held_document **made, pith_er
     return status == PITH_OK ? document_count(document, made, err) : status;
 }
 
-/* Makes what is shown be cut as the present document says. What the document built last cannot be cut so (its bodies are
-   others), it stays as it was until the present one is built. */
+/* Makes what is shown be cut as the present document says. What the document built last cannot be cut so (its bodies
+   are others), it stays as it was until the present one is built. */
 static void cut_anew(viewer *own)
 {
     const uint64_t wanted = document_view_signature(own->present->held);
@@ -94,8 +94,8 @@ static bool same_shape(pith_model *a, pith_model *b)
     return true;
 }
 
-/* A model takes the place of the one that is shown when it is all that was wanted, or when the old one has another form;
-   while a model is built again, the old solid stays in sight. */
+/* A model takes the place of the one that is shown when it is all that was wanted, or when the old one has another
+   form; while a model is built again, the old solid stays in sight. */
 void viewer_take_model(viewer *own, built_model *made)
 {
     if (own->present) pith_model_share(own->present->model, made->model);
@@ -114,7 +114,7 @@ void viewer_take_model(viewer *own, built_model *made)
     own->view_signature = document_view_signature(made->held);
 }
 
-/* ---- what has changed ---------------------------------------------------------------------------------------------- */
+/* ---- what has changed -------------------------------------------------------------------------------------------- */
 
 static pack_stamp stamp(viewer *own) { return (pack_stamp){ .revision = own->revision, .serial = ++own->serial }; }
 
@@ -189,7 +189,7 @@ static pith_status refresh_view(viewer *own, pith_error *err)
     return PITH_OK;
 }
 
-/* ---- refreshing ---------------------------------------------------------------------------------------------------- */
+/* ---- refreshing -------------------------------------------------------------------------------------------------- */
 
 static void clear_sent(sent_body *sent)
 {

@@ -6,7 +6,7 @@
 #include "request.h"
 #include "viewer_internal.h"
 
-/* ---- asking -------------------------------------------------------------------------------------------------------- */
+/* ---- asking ------------------------------------------------------------------------------------------------------ */
 
 static void refuse(viewer *own, const question *at, const char *status, const char *message)
 {
@@ -57,7 +57,7 @@ pith_status viewer_ask(viewer *own, question_kind kind, uint32_t socket, json_in
     return PITH_OK;
 }
 
-/* ---- looks --------------------------------------------------------------------------------------------------------- */
+/* ---- looks ------------------------------------------------------------------------------------------------------- */
 
 void viewer_clear_looks(viewer *own)
 {
@@ -88,7 +88,7 @@ static pith_status find_look(viewer *own, size_t body, const pith_look_options *
     return PITH_OK;
 }
 
-/* ---- layers -------------------------------------------------------------------------------------------------------- */
+/* ---- layers ------------------------------------------------------------------------------------------------------ */
 
 static packet_maker *begin(const char *kind, const question *at, size_t body)
 {
@@ -119,7 +119,7 @@ static pith_status answer_layer(viewer *own, const question *at, size_t body, pa
     return status;
 }
 
-/* ---- lines --------------------------------------------------------------------------------------------------------- */
+/* ---- lines ------------------------------------------------------------------------------------------------------- */
 
 /* Lines of one or several places, gathered. */
 typedef struct gathered {
@@ -143,7 +143,8 @@ static pith_status gather(gathered *all, const pith_look *look, const pith_polyl
     const size_t count = view.start[view.line_count];
     double *depths = pith_alloc(count, sizeof *depths);
     const bool room =
-        depths && pith_grow((void **)&all->positions, &all->position_capacity, 3 * (all->points + count), sizeof(float)) &&
+        depths &&
+        pith_grow((void **)&all->positions, &all->position_capacity, 3 * (all->points + count), sizeof(float)) &&
         pith_grow((void **)&all->depths, &all->depth_capacity, all->points + count, sizeof(float)) &&
         pith_grow((void **)&all->starts, &all->start_capacity, all->lines + view.line_count + 1, sizeof(uint32_t)) &&
         pith_grow((void **)&all->parts, &all->part_capacity, all->lines + view.line_count, sizeof(uint32_t));
@@ -189,7 +190,8 @@ static pith_status lines_on_layer(gathered *all, const pith_look *look, double d
     return status;
 }
 
-/* Lines on what is seen of the body: on the skin of its parts, or on their sections. Parts are numbered as in the view. */
+/* Lines on what is seen of the body: on the skin of its parts, or on their sections. Parts are numbered as in the
+   view. */
 static pith_status lines_on_parts(viewer *own, size_t body, pith_face_kind kind, gathered *all, const pith_look *look,
                                   const pith_streamline_options *options, pith_error *err)
 {
@@ -199,7 +201,9 @@ static pith_status lines_on_parts(viewer *own, size_t body, pith_face_kind kind,
     PITH_TRY(pith_model_pieces(model, pith_model_built(model).solid, &pieces, &count, err));
     for (size_t i = 0; i < count; ++i) {
         if (pieces[i].body != body || pieces[i].hidden) continue;
-        const pith_look_place place = { .kind = PITH_LOOK_SHELL, .shell = pieces[i].shell, .kinds = PITH_LOOK_AT(kind) };
+        const pith_look_place place = { .kind = PITH_LOOK_SHELL,
+                                        .shell = pieces[i].shell,
+                                        .kinds = PITH_LOOK_AT(kind) };
         PITH_TRY(lines_at(all, look, &place, (uint32_t)i, options, err));
     }
     return PITH_OK;
@@ -212,7 +216,8 @@ static pith_status answer_lines(viewer *own, const question *at, size_t body, pa
     const json_t *depth = json_object_get(at->asked, "depth");
     pith_look_options looked = pith_look_options_default();
     pith_streamline_options options = pith_streamline_options_default();
-    if (of) PITH_TRY(pith_param_set_word(pith_params_find(&pith_look_params, "of"), &looked, json_string_value(of), err));
+    if (of)
+        PITH_TRY(pith_param_set_word(pith_params_find(&pith_look_params, "of"), &looked, json_string_value(of), err));
     if (spacing)
         PITH_TRY(pith_param_set(pith_params_find(&pith_streamline_params, "spacing"), &options,
                                 json_number_value(spacing), err));
@@ -243,7 +248,7 @@ static pith_status answer_lines(viewer *own, const question *at, size_t body, pa
     return packet_finish(maker, made, err);
 }
 
-/* ---- sections ------------------------------------------------------------------------------------------------------ */
+/* ---- sections ---------------------------------------------------------------------------------------------------- */
 
 static pith_status read_point(const json_t *plane, const char *key, pith_vec3 *point, pith_error *err)
 {
@@ -266,7 +271,7 @@ static pith_status answer_section(viewer *own, const question *at, packet **made
     return pack_section(viewer_shown(own)->model, &plane, &stamp, made, err);
 }
 
-/* ---- answering ----------------------------------------------------------------------------------------------------- */
+/* ---- answering --------------------------------------------------------------------------------------------------- */
 
 static pith_status answer(viewer *own, const question *at, packet **made, pith_error *err)
 {

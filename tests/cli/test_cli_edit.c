@@ -25,7 +25,8 @@ static void test_it_serves_until_it_is_ended(void **state)
     assert_int_equal(edit_end(&at, SIGINT), 0);
 }
 
-/* The first answer does not wait for the model: 30 ms after the address on a quiet machine, and on a busy one not seconds. */
+/* The first answer does not wait for the model: 30 ms after the address on a quiet machine, and on a busy one not
+   seconds. */
 static void test_it_answers_at_once(void **state)
 {
     (void)state;
@@ -46,8 +47,10 @@ static void test_a_mesh_gets_a_document_beside_it(void **state)
 {
     (void)state;
     edit_run at;
-    CHECK_RUN(0, "mkdir -p meshes && printf 'v 0 0 0\\nv 1 0 0\\nv 0 1 0\\nv 0 0 1\\nf 1 3 2\\nf 1 2 4\\nf 2 3 4\\nf 3 1 4\\n' "
-              "> meshes/corner.obj");
+    CHECK_RUN(
+        0,
+        "mkdir -p meshes && printf 'v 0 0 0\\nv 1 0 0\\nv 0 1 0\\nv 0 0 1\\nf 1 3 2\\nf 1 2 4\\nf 2 3 4\\nf 3 1 4\\n' "
+        "> meshes/corner.obj");
     edit_start(&at, "meshes/corner.obj", NULL);
     assert_int_equal(edit_end(&at, SIGTERM), 0);
     CHECK_RUN(0, "build/pith validate meshes/corner.pith && cp meshes/corner.pith first.pith");

@@ -1,5 +1,5 @@
-/* pith edit killed at any moment (SIGKILL) loses at most the action in flight: what was answered is there when the document
-   is edited again. */
+/* pith edit killed at any moment (SIGKILL) loses at most the action in flight: what was answered is there when the
+   document is edited again. */
 #include "edit_run.h"
 
 enum { LIVES = 25, MOST_ACTIONS = 400 };
@@ -23,14 +23,17 @@ static int actions_in(const json_t *hello)
     return title && sscanf(title, "action %d", &count) == 1 ? count : 0;
 }
 
-/* Acts until the program is dead; gives the last action that was answered. What is asked without waiting for the answer is
-   the action in flight. */
+/* Acts until the program is dead; gives the last action that was answered. What is asked without waiting for the
+   answer is the action in flight. */
 static int act_until_death(edit_run *at, long long revision, int last, double life)
 {
     const double start = pith_seconds();
     for (int i = 0; i < MOST_ACTIONS; ++i) {
-        const bool sent = edit_say(at, "\"do\": \"apply\", \"revision\": %lld, \"name\": \"x\", \"operations\": [{\"op\": \"set\", "
-                                   "\"path\": \"title\", \"value\": \"action %d\"}]", revision, last + 1);
+        const bool sent =
+            edit_say(at,
+                     "\"do\": \"apply\", \"revision\": %lld, \"name\": \"x\", \"operations\": [{\"op\": \"set\", "
+                     "\"path\": \"title\", \"value\": \"action %d\"}]",
+                     revision, last + 1);
         if (pith_seconds() - start > life) return last; /* killed now, with one in flight */
         json_t *answer = sent ? edit_hear(at) : NULL;
         if (!json_is_true(json_object_get(answer, "ok"))) {

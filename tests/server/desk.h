@@ -84,8 +84,8 @@ static inline void desk_say(desk *at, const char *text)
     editor_message(at->own, 1, false, (const unsigned char *)text, strlen(text), desk_admit, at);
 }
 
-/* The first thing heard from `from` on that has these values: "event" and its word, or "kind"; waits for it. state may be
-   NULL. Returns its index. */
+/* The first thing heard from `from` on that has these values: "event" and its word, or "kind"; waits for it. state
+   may be NULL. Returns its index. */
 static inline size_t desk_wait(desk *at, size_t from, const char *key, const char *word, const char *state)
 {
     const double start = pith_seconds();

@@ -1,6 +1,6 @@
-/* Fuzz target: whatever a page says, the editor answers and lives. The first byte says how the rest is read: as one text,
-   as one packet, or as choices from which requests of known verbs, keys and operations are put together, so that the
-   checks behind the first one are reached, too. */
+/* Fuzz target: whatever a page says, the editor answers and lives. The first byte says how the rest is read: as one
+   text, as one packet, or as choices from which requests of known verbs, keys and operations are put together, so
+   that the checks behind the first one are reached, too. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,8 +10,10 @@
 #include "editor.h"
 
 static const char document[] =
-    "{\"pith\": 1, \"shape\": {\"fruit\": {\"detail\": 1}, \"tets\": {\"tetrahedra\": 60}}, \"depth\": {\"constraints\": "
-    "[{\"faces\": \"all\", \"depth\": 0}, {\"stroke\": [[0, 0, -0.5], [0, 0, 0.5]], \"depth\": 1}]}, \"solids\": [{\"name\": "
+    "{\"pith\": 1, \"shape\": {\"fruit\": {\"detail\": 1}, \"tets\": {\"tetrahedra\": 60}}, \"depth\": "
+    "{\"constraints\": "
+    "[{\"faces\": \"all\", \"depth\": 0}, {\"stroke\": [[0, 0, -0.5], [0, 0, 0.5]], \"depth\": 1}]}, \"solids\": "
+    "[{\"name\": "
     "\"flesh\", \"kind\": \"lapped\", \"type\": \"1-A\", \"exemplar\": {\"layered\": {\"size\": [8, 8, 8], \"stops\": "
     "[{\"depth\": 0, \"colour\": \"#804020\"}]}}}]}";
 
@@ -59,7 +61,7 @@ static void renew(void)
     if (editor_open(path, &options, out, NULL, NULL, &own, NULL) != PITH_OK) abort();
 }
 
-/* ---- requests from choices ----------------------------------------------------------------------------------------- */
+/* ---- requests from choices --------------------------------------------------------------------------------------- */
 
 typedef struct choices { const uint8_t *bytes; size_t size; } choices;
 
@@ -79,8 +81,9 @@ static json_t *operation(choices *from)
                                          "stroke.remove", "paste.add", "paste.move", "cut.plane", "cut.stroke",
                                          "cut.remove", "part.hide", "part.move", "solid.choose", "solid.type", "set",
                                          "remove" };
-    static const char *const keys[] = { "body", "face", "faces", "ray", "points", "depth", "crease", "point", "size", "index",
-                                        "list", "plane", "stroke", "keep", "name", "type", "path", "value", "part", "offset" };
+    static const char *const keys[] = { "body",  "face", "faces", "ray",   "points", "depth",  "crease",
+                                        "point", "size", "index", "list",  "plane",  "stroke", "keep",
+                                        "name",  "type", "path",  "value", "part",   "offset" };
     json_t *made = json_object();
     json_object_set_new(made, "op", json_string(names[choose(from, sizeof names / sizeof *names)]));
     for (unsigned i = choose(from, 4); i > 0; --i)
@@ -90,9 +93,11 @@ static json_t *operation(choices *from)
 
 static json_t *value(choices *from, int depth)
 {
-    static const char *const texts[] = { "", "all", "flesh", "positive", "1-B", "title", "solids[0]", "cuts", "render.samples",
-                                         "../x.json", "/etc/passwd", "kiwi.pith", "depth", "both", "fields", "solid", "body",
-                                         "layer", "mesh", "volume" };
+    static const char *const texts[] = {
+        "",          "all",         "flesh",     "positive", "1-B",  "title",  "solids[0]", "cuts", "render.samples",
+        "../x.json", "/etc/passwd", "kiwi.pith", "depth",    "both", "fields", "solid",     "body", "layer",
+        "mesh",      "volume"
+    };
     switch (choose(from, depth > 0 ? 9 : 5)) {
     case 0: return json_integer((int)choose(from, 20) - 2);
     case 1: return json_real((choose(from, 100) - 20.0) / 25.0);
@@ -100,7 +105,9 @@ static json_t *value(choices *from, int depth)
     case 3: return json_boolean(choose(from, 2));
     case 4: return json_null();
     case 5: return json_pack("[fff]", choose(from, 9) / 4.0 - 1, choose(from, 9) / 4.0 - 1, choose(from, 9) / 4.0 - 1);
-    case 6: return json_pack("{s[fff] s[fff]}", "point", choose(from, 9) / 9.0, 0.0, 0.0, "normal", choose(from, 3) - 1.0, 1.0, 0.0);
+    case 6:
+        return json_pack("{s[fff] s[fff]}", "point", choose(from, 9) / 9.0, 0.0, 0.0, "normal", choose(from, 3) - 1.0,
+                         1.0, 0.0);
     case 7: return json_pack("{s[fff] s[fff]}", "origin", 5.0, 0.1, 0.0, "direction", choose(from, 3) - 2.0, 0.0, 0.0);
     default: {
         json_t *list = json_array();
@@ -112,15 +119,16 @@ static json_t *value(choices *from, int depth)
 
 static void say_chosen(choices *from)
 {
-    static const char *const keys[] = { "name", "what", "job", "on", "kind", "file", "force", "body", "solid", "depth", "where",
-                                        "of", "spacing", "exemplar", "path", "how", "camera", "width", "height", "samples",
-                                        "stream", "plane" };
+    static const char *const keys[] = { "name",   "what",  "job",    "on",      "kind",    "file",     "force", "body",
+                                        "solid",  "depth", "where",  "of",      "spacing", "exemplar", "path",  "how",
+                                        "camera", "width", "height", "samples", "stream",  "plane" };
     size_t verbs = 0;
     while (editor_verbs[verbs].name) ++verbs;
     json_t *made = json_object(), *operations = json_array();
     json_object_set_new(made, "id", json_integer(1 + choose(from, 3)));
     json_object_set_new(made, "do", json_string(editor_verbs[choose(from, (unsigned)verbs)].name));
-    json_object_set_new(made, "revision", json_integer((json_int_t)session_revision(own->opened) - (choose(from, 10) == 0)));
+    json_object_set_new(made, "revision",
+                        json_integer((json_int_t)session_revision(own->opened) - (choose(from, 10) == 0)));
     for (unsigned i = choose(from, 4); i > 0; --i) json_array_append_new(operations, operation(from));
     if (json_array_size(operations)) {
         json_object_set(made, "operations", operations);

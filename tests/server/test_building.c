@@ -1,5 +1,5 @@
-/* Building and looking, without a network: jobs and what is heard of them, what starts by itself, the packets that follow,
-   questions and pictures. */
+/* Building and looking, without a network: jobs and what is heard of them, what starts by itself, the packets that
+   follow, questions and pictures. */
 #include "desk.h"
 
 static const char cut[] = "{\"op\": \"cut.plane\", \"plane\": {\"point\": [0, 0, 0.1], \"normal\": [1, 0, 0]}}";
@@ -7,11 +7,12 @@ static const char paint[] = "{\"op\": \"depth.face\", \"face\": 3, \"depth\": 0.
 
 static void apply(desk *at, const char *operation)
 {
-    ASK(at, "\"do\": \"apply\", \"revision\": %lld, \"name\": \"x\", \"operations\": [%s]", desk_revision(at), operation);
+    ASK(at, "\"do\": \"apply\", \"revision\": %lld, \"name\": \"x\", \"operations\": [%s]", desk_revision(at),
+        operation);
 }
 
-/* Waits until the viewer knows the present document and nothing is to be built or is being built; gives the last list of
-   bodies that was told. */
+/* Waits until the viewer knows the present document and nothing is to be built or is being built; gives the last list
+   of bodies that was told. */
 static const json_t *settle(desk *at)
 {
     const double start = pith_seconds();
@@ -43,7 +44,7 @@ static bool flag(const json_t *body, const char *key)
     return json_is_true(json_object_get(strcmp(key, "shown") == 0 ? body : built, key));
 }
 
-/* ---- jobs ---------------------------------------------------------------------------------------------------------- */
+/* ---- jobs -------------------------------------------------------------------------------------------------------- */
 
 static void test_an_update_runs_and_packets_follow(void **state)
 {
@@ -220,7 +221,7 @@ static void test_what_cannot_be_built_says_why_and_is_not_tried_again(void **sta
     desk_close(at);
 }
 
-/* ---- questions ----------------------------------------------------------------------------------------------------- */
+/* ---- questions --------------------------------------------------------------------------------------------------- */
 
 static void test_questions_wait_for_a_model(void **state)
 {
@@ -228,7 +229,8 @@ static void test_questions_wait_for_a_model(void **state)
     desk *at = desk_open(false, false);
     const json_t *layer = ASK(at, "\"do\": \"layer\", \"depth\": 0.5");
     assert_string_equal(text_of(layer, "kind"), "layer");
-    assert_true(json_integer_value(json_array_get(json_object_get(json_object_get(layer, "arrays"), "triangles"), 2)) > 0);
+    assert_true(json_integer_value(json_array_get(json_object_get(json_object_get(layer, "arrays"), "triangles"), 2)) >
+                0);
     const json_t *lines = ASK(at, "\"do\": \"lines\", \"where\": \"body\", \"of\": \"secondary\", \"spacing\": 0.1");
     const json_t *arrays = json_object_get(lines, "arrays");
     const json_int_t points = json_integer_value(json_array_get(json_object_get(arrays, "depth"), 2));
@@ -257,9 +259,11 @@ static void test_sections_and_lines_on_what_is_seen(void **state)
     assert_string_equal(text_of(section, "kind"), "section");
     assert_int_equal(json_array_size(json_object_get(section, "parts")), 1);
     assert_true(values_in(section, "corners") > 0);
-    section = ASK(at, "\"do\": \"section\", \"plane\": {\"point\": [0, 0, 9], \"normal\": [0, 0, 1]}"); /* beside the body */
+    section =
+        ASK(at, "\"do\": \"section\", \"plane\": {\"point\": [0, 0, 9], \"normal\": [0, 0, 1]}"); /* beside the body */
     assert_int_equal(values_in(section, "corners"), 0);
-    REFUSED(at, "bad argument", "plane", "\"do\": \"section\", \"plane\": {\"point\": [0, 0, 0], \"normal\": [0, 0, 0]}");
+    REFUSED(at, "bad argument", "plane",
+            "\"do\": \"section\", \"plane\": {\"point\": [0, 0, 0], \"normal\": [0, 0, 0]}");
     REFUSED(at, "bad argument", "plane.normal", "\"do\": \"section\", \"plane\": {\"point\": [0, 0, 0]}");
 
     const json_t *lines = ASK(at, "\"do\": \"lines\", \"where\": \"section\", \"spacing\": 0.05");
@@ -310,18 +314,20 @@ static void test_exemplars_are_made_for_looking(void **state)
     static const int outer[3] = { 0x80, 0x40, 0x20 }, inner[3] = { 0xf0, 0xf0, 0xd0 };
     const unsigned char *voxel = bytes + 4 + length;
     for (int c = 0; c < 3; ++c) {
-        const double from = pow((outer[c] / 255.0 + 0.055) / 1.055, 2.4), to = pow((inner[c] / 255.0 + 0.055) / 1.055, 2.4);
+        const double from = pow((outer[c] / 255.0 + 0.055) / 1.055, 2.4),
+                     to = pow((inner[c] / 255.0 + 0.055) / 1.055, 2.4);
         CHECK_NEAR(voxel[c], 255.0 * (1.055 * pow(from + (to - from) / 16.0, 1.0 / 2.4) - 0.055), 1.0);
     }
     assert_int_equal(voxel[3], 255);
     ASK(at, "\"do\": \"exemplar\", \"solid\": \"flesh\"");
     ASK(at, "\"do\": \"exemplar\", \"exemplar\": {\"layered\": " SAMPLE_RECIPE "}");
     REFUSED(at, "bad argument", "no solid \"bone\"", "\"do\": \"exemplar\", \"solid\": \"bone\"");
-    REFUSED(at, "bad document", "exemplar.layered", "\"do\": \"exemplar\", \"exemplar\": {\"layered\": {\"stops\": 3}}");
+    REFUSED(at, "bad document", "exemplar.layered",
+            "\"do\": \"exemplar\", \"exemplar\": {\"layered\": {\"stops\": 3}}");
     desk_close(at);
 }
 
-/* ---- pictures ------------------------------------------------------------------------------------------------------ */
+/* ---- pictures ---------------------------------------------------------------------------------------------------- */
 
 static void test_pictures_come_coarse_then_fine(void **state)
 {
@@ -345,7 +351,8 @@ static void test_pictures_come_coarse_then_fine(void **state)
         pith_image *image = NULL;
         const unsigned char *bytes = packet_bytes(at->heard[i].content, &size);
         memcpy(&length, bytes, 4);
-        const json_int_t png = json_integer_value(json_array_get(json_object_get(json_object_get(picture, "arrays"), "png"), 2));
+        const json_int_t png =
+            json_integer_value(json_array_get(json_object_get(json_object_get(picture, "arrays"), "png"), 2));
         CHECK_OK(pith_image_decode("picture", bytes + 4 + length, (size_t)png, &image, &err));
         assert_int_equal(image->height, 30);
         const float *middle = image->pixels + (15 * 40 + 20) * image->channels; /* brown skin, more red than blue */
@@ -386,7 +393,7 @@ static void test_nobody_makes_pictures_for_a_page_that_is_gone(void **state)
     desk_close(at);
 }
 
-/* ---- several bodies ------------------------------------------------------------------------------------------------ */
+/* ---- several bodies ---------------------------------------------------------------------------------------------- */
 
 static void test_bodies_are_told_apart(void **state)
 {

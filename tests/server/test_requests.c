@@ -1,7 +1,7 @@
 /* What pages ask, without a network: each verb's answer, each refusal, and what else is heard of it. */
 #include "desk.h"
 
-/* ---- requests that are none ---------------------------------------------------------------------------------------- */
+/* ---- requests that are none -------------------------------------------------------------------------------------- */
 
 static void expect_zero(desk *at, const char *text, const char *words)
 {
@@ -53,10 +53,12 @@ static void test_wrong_keys_are_refused_by_name(void **state)
     REFUSED(at, "bad argument", "revision: is missing", "\"do\": \"undo\"");
     REFUSED(at, "bad argument", "revision: expected a whole number", "\"do\": \"undo\", \"revision\": 1.5");
     REFUSED(at, "bad argument", "revision: is -1", "\"do\": \"undo\", \"revision\": -1");
-    REFUSED(at, "bad argument", "name: expected a text", "\"do\": \"apply\", \"revision\": 1, \"name\": 3, \"operations\": []");
+    REFUSED(at, "bad argument", "name: expected a text",
+            "\"do\": \"apply\", \"revision\": 1, \"name\": 3, \"operations\": []");
     REFUSED(at, "bad argument", "operations: expected a list",
             "\"do\": \"apply\", \"revision\": 1, \"name\": \"x\", \"operations\": {}");
-    REFUSED(at, "bad argument", "what: is \"solids\", expected one of fields, solid", "\"do\": \"update\", \"what\": \"solids\"");
+    REFUSED(at, "bad argument", "what: is \"solids\", expected one of fields, solid",
+            "\"do\": \"update\", \"what\": \"solids\"");
     REFUSED(at, "bad argument", "on: expected true or false", "\"do\": \"automatic\", \"on\": 1");
     REFUSED(at, "bad argument", "no job 5", "\"do\": \"cancel\", \"job\": 5");
     REFUSED(at, "bad argument", "binary message", "\"do\": \"file.put\", \"name\": \"x.obj\"");
@@ -65,7 +67,7 @@ static void test_wrong_keys_are_refused_by_name(void **state)
     desk_close(at);
 }
 
-/* ---- the document -------------------------------------------------------------------------------------------------- */
+/* ---- the document ------------------------------------------------------------------------------------------------ */
 
 static void test_hello_says_what_a_page_needs(void **state)
 {
@@ -163,7 +165,7 @@ static void test_copies_stay_in_the_folder(void **state)
     desk_close(at);
 }
 
-/* ---- files --------------------------------------------------------------------------------------------------------- */
+/* ---- files ------------------------------------------------------------------------------------------------------- */
 
 static void put(desk *at, const char *name, const char *words)
 {
@@ -262,22 +264,26 @@ static void test_operations_name_files_within_reach_only(void **state)
     pith_image_destroy(image);
 
     desk *at = desk_open(false, false);
-#define SET_RECIPE "\"do\": \"apply\", \"revision\": %lld, \"name\": \"x\", \"operations\": [{\"op\": \"set\", \"path\": " \
-                   "\"solids[0].exemplar\", \"value\": {\"recipe\": \"%s\"}}]"
+#define SET_RECIPE                                                                                                     \
+    "\"do\": \"apply\", \"revision\": %lld, \"name\": \"x\", \"operations\": [{\"op\": \"set\", \"path\": "            \
+    "\"solids[0].exemplar\", \"value\": {\"recipe\": \"%s\"}}]"
     static const char *const wrong[] = { outside, "../pith-outside.json", "link.json", "strip.json" };
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i)
         REFUSED(at, "bad argument", "copy it there first", SET_RECIPE, desk_revision(at), wrong[i]);
     REFUSED(at, "bad document", "there is no file", SET_RECIPE, desk_revision(at), "none.json");
     ASK(at, SET_RECIPE, desk_revision(at), "own.json");
     ASK(at, SET_RECIPE, desk_revision(at), PITH_SOURCE_DIR "/examples/exemplars/carrot.json");
-    REFUSED(at, "bad argument", "copy it there first", "\"do\": \"exemplar\", \"exemplar\": {\"recipe\": \"%s\"}", outside);
+    REFUSED(at, "bad argument", "copy it there first", "\"do\": \"exemplar\", \"exemplar\": {\"recipe\": \"%s\"}",
+            outside);
     REFUSED(at, "bad argument", "copy it there first", "\"do\": \"recipe\", \"path\": \"%s\"", outside);
     desk_close(at);
 
     /* What the document names already it may go on naming. */
     char text[2000];
-    snprintf(text, sizeof text, "{\"pith\": 1, " SAMPLE_FIELDS ", \"solids\": [{\"name\": \"flesh\", \"kind\": \"lapped\", "
-             "\"type\": \"1-B\", \"exemplar\": {\"recipe\": \"%s\"}}]}", outside);
+    snprintf(text, sizeof text,
+             "{\"pith\": 1, " SAMPLE_FIELDS ", \"solids\": [{\"name\": \"flesh\", \"kind\": \"lapped\", "
+             "\"type\": \"1-B\", \"exemplar\": {\"recipe\": \"%s\"}}]}",
+             outside);
     write_text("kiwi.pith", text);
     remove(in_folder("kiwi.pith.unsaved"));
     at = desk_open(false, false);

@@ -1,5 +1,5 @@
-/* A session without a network: its history, its unsaved file, what it finds at the start, and what it makes of a file that
-   others change. */
+/* A session without a network: its history, its unsaved file, what it finds at the start, and what it makes of a file
+   that others change. */
 #include "server_samples.h"
 
 #include <sys/stat.h>
@@ -24,7 +24,7 @@ static void set_title(session *opened, const char *title)
 
 static const char *title(const session *opened) { return pith_document_title(session_present(opened)->document); }
 
-/* ---- history ------------------------------------------------------------------------------------------------------- */
+/* ---- history ----------------------------------------------------------------------------------------------------- */
 
 static void test_undo_and_redo_go_along_the_history(void **state)
 {
@@ -146,7 +146,7 @@ static void test_long_names_are_cut_at_a_character(void **state)
     session_close(own);
 }
 
-/* ---- the unsaved file ---------------------------------------------------------------------------------------------- */
+/* ---- the unsaved file -------------------------------------------------------------------------------------------- */
 
 static void test_changes_lie_beside_the_document_until_they_are_saved(void **state)
 {
@@ -251,7 +251,7 @@ static void test_half_written_files_of_a_killed_program_are_swept(void **state)
     assert_true(is_there("other.pith.77.part"));
 }
 
-/* ---- the document's file ------------------------------------------------------------------------------------------- */
+/* ---- the document's file ----------------------------------------------------------------------------------------- */
 
 static void test_a_file_that_others_changed_is_noticed(void **state)
 {

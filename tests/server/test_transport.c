@@ -1,5 +1,5 @@
-/* The server on a real socket: who is let in, what may be asked, and what a client can do wrong. After each wrong a fresh
-   client is answered at once. */
+/* The server on a real socket: who is let in, what may be asked, and what a client can do wrong. After each wrong a
+   fresh client is answered at once. */
 #include "server_samples.h"
 
 #include <jansson.h>
@@ -11,7 +11,7 @@
 static const double at_once = 0.2; /* seconds in which a fresh client is answered */
 static pith_error err;
 
-/* ---- a server for all tests ---------------------------------------------------------------------------------------- */
+/* ---- a server for all tests -------------------------------------------------------------------------------------- */
 
 static pith_server *server;
 static pthread_t serving;
@@ -82,13 +82,14 @@ static json_t *ask(int fd, json_int_t id, const char *keys)
         assert_true(kind == WS_TEXT || kind == WS_BINARY);
         json_t *heard = kind == WS_TEXT ? json_loadb((const char *)bytes, size, 0, NULL) : NULL;
         free(bytes);
-        if (heard && json_integer_value(json_object_get(heard, "id")) == id && json_object_get(heard, "id")) return heard;
+        if (heard && json_integer_value(json_object_get(heard, "id")) == id && json_object_get(heard, "id"))
+            return heard;
         json_decref(heard);
     }
 }
 
-/* The server is well: a fresh client gets the page, and a fresh socket an answer, at once. On a machine that is busy with
-   other things one of a few tries has to be. */
+/* The server is well: a fresh client gets the page, and a fresh socket an answer, at once. On a machine that is busy
+   with other things one of a few tries has to be. */
 static void check_well(void)
 {
     double best = INFINITY;
@@ -103,7 +104,7 @@ static void check_well(void)
     CHECK_AT_MOST(best, at_once);
 }
 
-/* ---- HTTP ---------------------------------------------------------------------------------------------------------- */
+/* ---- HTTP -------------------------------------------------------------------------------------------------------- */
 
 static void test_the_page_has_its_files_and_their_headers(void **state)
 {
@@ -115,9 +116,13 @@ static void test_the_page_has_its_files_and_their_headers(void **state)
     assert_true(client_take(fd, body, 10));
     assert_string_equal(body, "let a = 1;");
     static const char *const headers[] = {
-        "content-type: text/javascript", "x-content-type-options: nosniff", "cache-control: no-store",
-        "referrer-policy: no-referrer", "content-security-policy: default-src 'self'; connect-src 'self' ws://127.0.0.1:",
-        "frame-ancestors 'none'", "img-src 'self' blob: data:",
+        "content-type: text/javascript",
+        "x-content-type-options: nosniff",
+        "cache-control: no-store",
+        "referrer-policy: no-referrer",
+        "content-security-policy: default-src 'self'; connect-src 'self' ws://127.0.0.1:",
+        "frame-ancestors 'none'",
+        "img-src 'self' blob: data:",
     };
     for (size_t i = 0; i < sizeof headers / sizeof *headers; ++i)
         if (!strstr(head, headers[i])) {
@@ -183,7 +188,7 @@ static void test_other_hosts_and_methods_are_refused(void **state)
     check_well();
 }
 
-/* ---- who gets a WebSocket ------------------------------------------------------------------------------------------ */
+/* ---- who gets a WebSocket ---------------------------------------------------------------------------------------- */
 
 static int upgrade_status(const char *target, const char *at, const char *headers)
 {
@@ -245,7 +250,7 @@ static void test_sixteen_sockets_and_no_more(void **state)
     check_well();
 }
 
-/* ---- what a client can do wrong ------------------------------------------------------------------------------------ */
+/* ---- what a client can do wrong ---------------------------------------------------------------------------------- */
 
 /* The socket is closed by the server, perhaps with a close frame before; nothing else is heard. */
 static void expect_closed(int fd)
@@ -408,8 +413,10 @@ static long long apply_many_points(int fd, long long revision)
 {
     enum { POINTS = 5000, ROOM = POINTS * 40 };
     char *text = malloc(ROOM);
-    int length = snprintf(text, ROOM, "{\"id\": 2, \"do\": \"apply\", \"revision\": %lld, \"name\": \"x\", \"operations\": "
-                          "[{\"op\": \"depth.points\", \"depth\": 0.5, \"points\": [", revision);
+    int length = snprintf(text, ROOM,
+                          "{\"id\": 2, \"do\": \"apply\", \"revision\": %lld, \"name\": \"x\", \"operations\": "
+                          "[{\"op\": \"depth.points\", \"depth\": 0.5, \"points\": [",
+                          revision);
     for (int i = 0; i < POINTS; ++i)
         length += snprintf(text + length, (size_t)(ROOM - length), "%s[%.6f, 0.125, -0.0625]", i ? ", " : "", i * 1e-5);
     snprintf(text + length, (size_t)(ROOM - length), "]}]}");
@@ -461,8 +468,9 @@ static void test_a_large_packet_arrives_whole(void **state)
 {
     (void)state;
     const int fd = open_socket();
-    assert_true(client_text(fd, "{\"id\": 1, \"do\": \"exemplar\", \"exemplar\": {\"layered\": {\"size\": [128, 64, 128], "
-                                "\"stops\": [{\"depth\": 0, \"colour\": \"#ffffff\"}]}}}"));
+    assert_true(client_text(fd,
+                            "{\"id\": 1, \"do\": \"exemplar\", \"exemplar\": {\"layered\": {\"size\": [128, 64, 128], "
+                            "\"stops\": [{\"depth\": 0, \"colour\": \"#ffffff\"}]}}}"));
     unsigned char *bytes = NULL;
     size_t size = 0;
     assert_int_equal(client_message(fd, &bytes, &size), WS_BINARY);
@@ -476,7 +484,7 @@ static void test_a_large_packet_arrives_whole(void **state)
     close(fd);
 }
 
-/* ---- creating ------------------------------------------------------------------------------------------------------ */
+/* ---- creating ---------------------------------------------------------------------------------------------------- */
 
 static void test_what_cannot_be_served_is_refused(void **state)
 {

@@ -91,16 +91,18 @@ static inline int client_get(unsigned port, const char *target, const char *host
     return status;
 }
 
-/* Asks for a WebSocket; headers: further lines, each with its end. Gives the connection, and the status; fd -1 unless the
-   status is 101. */
+/* Asks for a WebSocket; headers: further lines, each with its end. Gives the connection, and the status; fd -1 unless
+   the status is 101. */
 static inline int client_upgrade(unsigned port, const char *target, const char *host, const char *headers, int *status)
 {
     char head[4000];
     const int fd = client_connect(port);
     *status = 0;
     if (fd < 0) return -1;
-    client_say(fd, "GET %s HTTP/1.1\r\nHost: %s\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
-               "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n%s\r\n", target, host, headers);
+    client_say(fd,
+               "GET %s HTTP/1.1\r\nHost: %s\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+               "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n%s\r\n",
+               target, host, headers);
     *status = client_head(fd, head, sizeof head);
     /* The key is that of RFC 6455, §1.3, which says the answer to it. */
     if (*status == 101 && strstr(head, "s3pPLMBiTxaQ9kYGzzhZRbK+xOo=")) return fd;

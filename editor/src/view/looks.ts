@@ -49,7 +49,8 @@ export function lineObject(packet: Packet, parts: ViewPart[], resolution: { valu
     const moved = (part && parts[part[line]]?.mesh.position) || nowhere;
     for (let p = start[line]; p + 1 < start[line + 1]; ++p)
       for (let i = p; i <= p + 1; ++i, at += 3) {
-        const colour = depth ? paletteColour(depth[i]) : plain;
+        // On a layer, which has the colour of its depth itself, lines are pale.
+        const colour = depth ? paletteColour(depth[i]).lerp(plain, packet.head.where === 'layer' ? 0.7 : 0) : plain;
         ends.set([points[3 * i] + moved.x, points[3 * i + 1] + moved.y, points[3 * i + 2] + moved.z], at);
         colours.set([colour.r, colour.g, colour.b], at);
       }
