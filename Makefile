@@ -51,7 +51,7 @@ editor: $(BUILD)/editor/index.html
 check-editor: editor $(BUILD)/pith-configured
 	@tools/install-packages browser
 	@cmake --build $(BUILD) --target pith pith-tetgen -j $(JOBS) -- --no-print-directory -s
-	@cd editor && node --test test/
+	@cd editor && node --test $$(ls test/*.test.mjs)
 
 bench-editor: editor $(BUILD)/pith-configured
 	@tools/install-packages browser

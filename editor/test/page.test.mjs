@@ -266,6 +266,7 @@ describe('the page', { timeout: 600000 }, () => {
     assert.equal(await page.locator('[data-section=parts] .list-row').count(), 2);
     await page.locator(key('eye 1')).click();
     await eventually('a part was hidden', () => fake.document.parts?.[0].hidden);
+    await eventually('the page has seen it', () => page.evaluate(() => globalThis.pith.model.parts.some((part) => part.hidden)));
     await page.locator('canvas').first().focus();
     await page.keyboard.press('Alt+h');
     await eventually('it is shown again', () => !fake.document.parts[0].hidden);
