@@ -1,6 +1,6 @@
 // Packets of the protocol, small ones: a round mesh, its halves as parts, an exemplar of a recipe's colours.
 
-import { readFileSync } from 'node:fs';
+import { existsSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
 
 const arrayTypes = { f32: Float32Array, u32: Uint32Array, i16: Int16Array, u16: Uint16Array, i8: Int8Array, u8: Uint8Array };
@@ -110,7 +110,8 @@ function octahedral(x, y, z) {
 /** An exemplar's voxels: the recipe's stops along s, with a little grain. */
 export function voxelsOf(request, document, root) {
   const exemplar = request.exemplar ?? (document.bodies ?? [document])[0].solids[0].exemplar;
-  const recipe = exemplar.layered ?? JSON.parse(readFileSync(join(root, 'examples', exemplar.recipe)));
+  const shipped = exemplar.recipe && join(root, 'examples', exemplar.recipe);
+  const recipe = exemplar.layered ?? (existsSync(shipped) ? JSON.parse(readFileSync(shipped)) : {});
   const size = [32, 32, 32], voxels = new Uint8Array(4 * 32 ** 3);
   const stops = recipe.stops?.length ? recipe.stops : [{ depth: 0, colour: '#808080' }];
   for (let t = 0, at = 0; t < 32; ++t) {

@@ -327,6 +327,19 @@ describe('the page', { timeout: 600000 }, () => {
     before.eye.forEach((x, i) => assert.ok(Math.abs(x - after.eye[i]) < 1e-4));
   });
 
+  test('a file dropped on the page goes beside the document and is offered as the exemplar', async () => {
+    const { page, fake } = await open();
+    await page.evaluate(() => {
+      const dropped = new DataTransfer();
+      dropped.items.add(new File(['{"stops": []}'], 'plum.json', { type: 'application/json' }));
+      document.querySelector('.stage').dispatchEvent(new DragEvent('drop', { dataTransfer: dropped, bubbles: true, cancelable: true }));
+    });
+    await page.locator('.message', { hasText: 'plum.json is beside the document' }).getByText('Use it').click();
+    await eventually('it is used', () => fake.document.solids[0].exemplar.recipe === 'plum.json');
+    const put = fake.asked.find((request) => request.do === 'file.put');
+    assert.deepEqual([put.name, put.bytes.toString()], ['plum.json', '{"stops": []}']);
+  });
+
   test('first steps are shown once', async () => {
     const { page } = await open(example('kiwi'), { hints: true });
     const steps = page.locator('.first-steps');

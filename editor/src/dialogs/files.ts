@@ -1,8 +1,9 @@
 // The dialog of exemplars: those in the document's folder, those shipped, and files that are dropped in.
 
-import type { App } from '../app';
+import { setValue, type App } from '../app';
 import { Refusal } from '../connection';
 import type { Json } from '../protocol';
+import { solidOf } from '../store';
 import { button } from '../ui/controls';
 import { fill, h } from '../ui/dom';
 import { openDialog } from '../ui/dialog';
@@ -14,6 +15,26 @@ interface Entry { path: string; name: string; shipped: boolean; kind: 'recipe' |
 const exemplarOf = (entry: { path: string; kind: string }): Json =>
   (entry.kind === 'recipe' ? { recipe: entry.path } : { file: entry.path });
 
+const kindOf = (path: string): Entry['kind'] => (/\.json$/i.test(path) ? 'recipe' : 'grid');
+
+/** Puts files dropped on the page beside the document, and offers exemplars among them to the chosen body. Without it
+    the browser would leave the page for the file. */
+export function takeDroppedFiles(app: App): void {
+  window.addEventListener('dragover', (event) => event.preventDefault());
+  window.addEventListener('drop', async (event) => {
+    event.preventDefault();
+    for (const file of event.dataTransfer?.files ?? []) {
+      const path = await upload(app, file), solid = solidOf(app.store.state);
+      if (!path) continue;
+      const use = /\.(json|nrrd)$/i.test(path) && solid?.json.kind === 'lapped' ? { label: 'Use it', run: () => {
+        const exemplar = exemplarOf({ path, kind: kindOf(path) });
+        void setValue(app, `Take ${exemplarName(exemplar)}`, `${solid.place}.exemplar`, exemplar);
+      } } : undefined;
+      app.messages.say(`${path} is beside the document now.`, 'done', use);
+    }
+  });
+}
+
 /** Opens the dialog; `chosen` is told what was taken, as a document writes it. */
 export function exemplarDialog(app: App, title: string, chosen: (exemplar: Json) => void): void {
   const lists = h('div', { class: 'files' }, h('p', { class: 'quiet' }, 'Looking for files…'));
@@ -24,15 +45,19 @@ export function exemplarDialog(app: App, title: string, chosen: (exemplar: Json)
     button('choose a file', () => picker.click()), picker);
   drop.addEventListener('dragover', (event) => { event.preventDefault(); drop.classList.add('over'); });
   drop.addEventListener('dragleave', () => drop.classList.remove('over'));
-  drop.addEventListener('drop', (event) => { event.preventDefault(); drop.classList.remove('over'); void take(
-    event.dataTransfer?.files ?? null); });
+  drop.addEventListener('drop', (event) => {
+    event.preventDefault();
+    event.stopPropagation();
+    drop.classList.remove('over');
+    void take(event.dataTransfer?.files ?? null);
+  });
 
   const use = (entry: { path: string; kind: string }): void => { close(); chosen(exemplarOf(entry)); };
   async function take(files: FileList | null): Promise<void> {
     const file = files?.[0];
     if (!file) return;
     const path = await upload(app, file);
-    if (path) use({ path, kind: /\.json$/i.test(file.name) ? 'recipe' : 'grid' });
+    if (path) use({ path, kind: kindOf(path) });
   }
   const close = openDialog({ title, body: [drop, lists], class: 'wide' });
   void load(app).then((entries) => fill(lists,
@@ -62,16 +87,20 @@ export async function upload(app: App, file: File): Promise<string | null> {
 function group(app: App, name: string, entries: Entry[], use: (entry: Entry) => void): HTMLElement | null {
   if (entries.length === 0) return null;
   return h('section', { class: 'file-group' }, h('h3', null, name),
-    h('ul', { class: 'file-list' }, entries.map((entry) => {
-    const cube = new Cube(app, 64);
-    const seen = new IntersectionObserver(([at]) => {
-      if (!at.isIntersecting) return;
-      seen.disconnect();
-      void cube.show({ exemplar: exemplarOf(entry) }, null);
-    });
-    seen.observe(cube.canvas);
-    return h('li', null, h('button', { type: 'button', class: 'file', onclick: () => use(entry),
-      'data-tip': entry.path },
-      cube.canvas, h('span', null, exemplarName(exemplarOf(entry)))));
-  })));
+    h('ul', { class: 'file-list' }, entries.map((entry) => h('li', null, card(app, entry, use)))));
+}
+
+/* A file's cube is asked for when it comes into sight; a refusal is what its tooltip says then. */
+function card(app: App, entry: Entry, use: (entry: Entry) => void): HTMLButtonElement {
+  const cube = new Cube(app, 64), exemplar = exemplarOf(entry);
+  const made = h('button', { type: 'button', class: 'file', onclick: () => use(entry), 'data-tip': entry.path },
+    cube.canvas, h('span', null, exemplarName(exemplar)));
+  const seen = new IntersectionObserver(async ([at]) => {
+    if (!at.isIntersecting) return;
+    seen.disconnect();
+    const refused = await cube.show({ exemplar }, null);
+    if (refused) made.dataset.tip = refused;
+  });
+  seen.observe(cube.canvas);
+  return made;
 }

@@ -13,6 +13,8 @@ import { exemplarName, typePicture } from '../panels/exemplars';
 
 interface Shipped { path: string; name: string; shipped: boolean }
 
+const isCalled = (file: Shipped, exemplar: string): boolean => file.path.split('/').pop() === `${exemplar}.json`;
+
 /** Opens the dialog for the chosen body. */
 export function typeDialog(app: App): void {
   const { state } = app.store, solid = solidOf(state)?.json;
@@ -41,7 +43,7 @@ export function typeDialog(app: App): void {
     });
     const facts = typeFacts(chosen)!, needs = state.types[chosen], present = presentIn(bodyJson(state));
     const adds = needKeys(needs).filter((need) => !present[need]).map((need) => needWords[need]);
-    const offer = recipes.find((each) => each.name === facts.exemplar || each.path.endsWith(`/${facts.exemplar}.json`));
+    const offer = recipes.find((each) => isCalled(each, facts.exemplar));
     fill(note,
       adds.length > 0 && h('p', null, icon('plus', 16),
         `Adds ${words(adds)} to start from; you can change ${adds.length > 1 ? 'them' : 'it'} afterwards.`),
@@ -53,7 +55,7 @@ export function typeDialog(app: App): void {
   }
 
   async function use(): Promise<void> {
-    const facts = typeFacts(chosen)!, offer = recipes.find((each) => each.path.endsWith(`${facts.exemplar}.json`));
+    const facts = typeFacts(chosen)!, offer = recipes.find((each) => isCalled(each, facts.exemplar));
     close();
     if (chosen === before) return;
     try {

@@ -69,29 +69,33 @@ export class Cube {
   }
 }
 
-/* Three faces in parallel projection: r to the right, t to the back, s (inwards) down. */
+/* Three faces in parallel projection: r to the right, t to the back, s (inwards) down. What is seen through shows what
+   lies behind it. */
 function drawCube(canvas: HTMLCanvasElement, { size: [nr, ns, nt], voxels }: Voxels): void {
-  const brush = canvas.getContext('2d')!, side = canvas.width, u = side * 0.46, v = side * 0.255;
+  const brush = canvas.getContext('2d')!, side = canvas.width, u = side * 0.46, v = side * 0.255, high = side * 0.44;
   const at = (r: number, s: number, t: number): number => 4 * (r + nr * (s + ns * t));
   brush.setTransform(1, 0, 0, 1, 0, 0);
   brush.clearRect(0, 0, side, side);
   const middle = side / 2, top = side * 0.03;
   // Upper face: s = 0, seen from outside. Left: t = last, r against s. Right: r = last, t against s.
-  face(brush, nr, nt, (x, y) => at(x, 0, y), [u, v, -u, v, middle, top], 1, voxels);
-  face(brush, nr, ns, (x, y) => at(x, y, nt - 1), [u, v, 0, side * 0.44, middle - u, top + v], 0.8, voxels);
-  face(brush, nt, ns, (x, y) => at(nr - 1, y, nt - 1 - x), [u, -v, 0, side * 0.44, middle, top + 2 * v], 0.62, voxels);
+  const upper = { wide: nr, high: nt, deep: ns, at: (x: number, y: number, z: number) => at(x, z, y) };
+  const left = { wide: nr, high: ns, deep: nt, at: (x: number, y: number, z: number) => at(x, y, nt - 1 - z) };
+  const right = { wide: nt, high: ns, deep: nr,
+    at: (x: number, y: number, z: number) => at(nr - 1 - z, y, nt - 1 - x) };
+  drawFace(brush, upper, [u, v, -u, v, middle, top], 1, voxels);
+  drawFace(brush, left, [u, v, 0, high, middle - u, top + v], 0.8, voxels);
+  drawFace(brush, right, [u, -v, 0, high, middle, top + 2 * v], 0.62, voxels);
 }
 
+/* A side of the box, and the voxels behind each of its pixels. */
+interface Face { wide: number; high: number; deep: number; at(x: number, y: number, z: number): number }
+
 /* One face, as an image on a parallelogram: two edges and the corner they start from. */
-function face(brush: CanvasRenderingContext2D, wide: number, high: number, place: (x: number, y: number) => number,
-  [ax, ay, bx, by, ox, oy]: number[], light: number, voxels: Uint8Array): void {
-  const image = new ImageData(wide, high);
-  for (let y = 0; y < high; ++y) {
-    for (let x = 0; x < wide; ++x) {
-      const from = place(x, y), to = 4 * (x + wide * y);
-      for (let c = 0; c < 3; ++c) image.data[to + c] = voxels[from + c] * light;
-      image.data[to + 3] = voxels[from + 3];
-    }
+function drawFace(brush: CanvasRenderingContext2D, face: Face, [ax, ay, bx, by, ox, oy]: number[], light: number,
+  voxels: Uint8Array): void {
+  const { wide, high } = face, image = new ImageData(wide, high);
+  for (let i = 0; i < wide * high; ++i) {
+    image.data.set(seenAt(face, i % wide, Math.floor(i / wide), light, voxels), 4 * i);
   }
   const sheet = document.createElement('canvas');
   sheet.width = wide;
@@ -100,4 +104,26 @@ function face(brush: CanvasRenderingContext2D, wide: number, high: number, place
   brush.setTransform(ax / wide, ay / wide, bx / high, by / high, ox, oy);
   brush.imageSmoothingQuality = 'high';
   brush.drawImage(sheet, 0, 0);
+  brush.setTransform(1, 0, 0, 1, 0, 0);
+  brush.strokeStyle = 'rgb(128 128 128 / 0.35)';
+  brush.beginPath();
+  brush.moveTo(ox, oy);
+  brush.lineTo(ox + ax, oy + ay);
+  brush.lineTo(ox + ax + bx, oy + ay + by);
+  brush.lineTo(ox + bx, oy + by);
+  brush.closePath();
+  brush.stroke();
+}
+
+/* What is seen through a pixel of a face: its voxels laid over one another until nothing shines through. */
+function seenAt(face: Face, x: number, y: number, light: number, voxels: Uint8Array): number[] {
+  const seen = [0, 0, 0];
+  let through = 1;
+  for (let z = 0; z < face.deep && through > 0.01; ++z) {
+    const from = face.at(x, y, z), share = (through * voxels[from + 3]) / 255;
+    for (let c = 0; c < 3; ++c) seen[c] += share * voxels[from + c];
+    through -= share;
+  }
+  const covered = 1 - through;
+  return [...seen.map((sum) => (covered > 0 ? (light * sum) / covered : 0)), 255 * covered];
 }

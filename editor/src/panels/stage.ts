@@ -1,6 +1,6 @@
 // The middle of the page: the view, and what lies over it.
 
-import { exemplarDialog } from '../dialogs/files';
+import { takeDroppedFiles } from '../dialogs/files';
 import { FirstSteps } from '../dialogs/shortcuts';
 import { button } from '../ui/controls';
 import { h, live, set } from '../ui/dom';
@@ -8,7 +8,6 @@ import { icon } from '../ui/icons';
 import { write } from '../ui/numbers';
 import { paletteCss } from '../view/looks';
 import { typeOperations } from '../dialogs/type';
-import { setValue } from '../app';
 import { bodyJson, solidOf } from '../store';
 import { commandButton, type Context } from './context';
 import { isBusy } from './inside';
@@ -20,7 +19,7 @@ export function stage(context: Context): { element: HTMLElement; steps: FirstSte
   const element = h('main', { class: 'stage', 'aria-label': 'Model' }, app.viewport.element, lostBanner(context),
     h('div', { class: 'stage-top' }, toolOptions(context)), depthScale(context), middle(context),
     h('div', { class: 'stage-low' }, steps.element, app.messages.element));
-  takeDroppedFiles(context, element);
+  takeDroppedFiles(app);
   return { element, steps };
 }
 
@@ -121,15 +120,4 @@ async function addStart({ app }: Context): Promise<void> {
   } catch (reason) {
     app.actions.complain((reason as Error).message);
   }
-}
-
-/* A file dropped anywhere must not take the page away; exemplars are offered to the chosen body. */
-function takeDroppedFiles(context: Context, element: HTMLElement): void {
-  const { app } = context;
-  window.addEventListener('dragover', (event) => event.preventDefault());
-  window.addEventListener('drop', (event) => event.preventDefault());
-  element.addEventListener('drop', () => exemplarDialog(app, 'Exemplar', (exemplar) => {
-    const solid = solidOf(app.store.state);
-    if (solid) void setValue(app, 'Take another exemplar', `${solid.place}.exemplar`, exemplar);
-  }));
 }
