@@ -18,6 +18,7 @@ import { selectTool } from './tools/select';
 import { Toolbox } from './tools/toolbox';
 import { Messages } from './ui/dialog';
 import { Viewport } from './view/viewport';
+import { installVolumeView } from './volume';
 
 const token = location.hash.slice(1);
 const store = new Store();
@@ -102,5 +103,6 @@ toolbox.add(selectTool(app), cutTool(app), planeTool(app), fillTool(app), faceTo
 const commands = buildPage(app);
 installFieldView(app);
 installMarks(app);
+installVolumeView(app);
 toolbox.enter();
 (globalThis as any).pith = Object.assign(app, { commands }); // for tests, benchmarks, and the curious

@@ -28,7 +28,7 @@ export class Model {
   triangles = 0;
   seconds: { cut?: number; pack?: number } = {};
   /** Called for every picture that comes. */
-  onPicture: (picture: PictureFacts) => void = () => {};
+  onPicture: ((picture: PictureFacts) => void)[] = [];
 
   constructor(private readonly connection: Connection) {}
 
@@ -44,7 +44,7 @@ export class Model {
       this.seconds = head.seconds ?? {};
       this.triangles = (arrays.corners?.length ?? 0) / 3;
     } else if (packet.kind === 'picture') {
-      this.onPicture({ job: head.job, width: head.width, height: head.height, final: head.final,
+      for (const call of this.onPicture) call({ job: head.job, width: head.width, height: head.height, final: head.final,
         png: arrays.png as Uint8Array });
     }
   }

@@ -21,14 +21,14 @@ export class Pictures {
   onChange: (() => void)[] = [];
 
   constructor(private readonly app: App) {
-    app.model.onPicture = (picture) => {
+    app.model.onPicture.push((picture) => {
       const shot = this.list.find((each) => each.job === picture.job);
       if (!shot) return;
       if (shot.url) URL.revokeObjectURL(shot.url);
       shot.url = URL.createObjectURL(new Blob([picture.png as Uint8Array<ArrayBuffer>], { type: 'image/png' }));
       if (picture.final) shot.state = 'done';
       this.changed();
-    };
+    });
     app.store.on(['jobs'], () => this.watchJobs());
   }
 

@@ -38,7 +38,8 @@ export function layerMesh(packet: Packet, shared: Shared): THREE.Mesh {
 
 /** Streamlines as ribbons that face the eye, two pixels wide, each end coloured by its depth; lines of a part go where the
     part is. */
-export function lineObject(packet: Packet, parts: ViewPart[], resolution: { value: THREE.Vector2 }): THREE.Mesh {
+export function lineObject(packet: Packet, parts: ViewPart[],
+                           shared: { resolution: { value: THREE.Vector2 }; pale: { value: number } }): THREE.Mesh {
   const points = packet.arrays.positions as Float32Array, start = packet.arrays.start as Uint32Array;
   const depth = packet.arrays.depth as Float32Array | undefined, part = packet.arrays.part as Uint32Array | undefined;
   const segments = Math.max(0, start[start.length - 1] - (start.length - 1));
@@ -49,8 +50,7 @@ export function lineObject(packet: Packet, parts: ViewPart[], resolution: { valu
     const moved = (part && parts[part[line]]?.mesh.position) || nowhere;
     for (let p = start[line]; p + 1 < start[line + 1]; ++p)
       for (let i = p; i <= p + 1; ++i, at += 3) {
-        // On a layer, which has the colour of its depth itself, lines are pale.
-        const colour = depth ? paletteColour(depth[i]).lerp(plain, packet.head.where === 'layer' ? 0.7 : 0) : plain;
+        const colour = depth ? paletteColour(depth[i]) : plain;
         ends.set([points[3 * i] + moved.x, points[3 * i + 1] + moved.y, points[3 * i + 2] + moved.z], at);
         colours.set([colour.r, colour.g, colour.b], at);
       }
@@ -65,7 +65,7 @@ export function lineObject(packet: Packet, parts: ViewPart[], resolution: { valu
   };
   pairs(ends, 'from', 'to');
   pairs(colours, 'fromColour', 'toColour');
-  const material = new THREE.ShaderMaterial({ uniforms: { resolution }, side: THREE.DoubleSide, vertexShader: ribbonVertex, fragmentShader: ribbonFragment });
+  const material = new THREE.ShaderMaterial({ uniforms: { ...shared }, side: THREE.DoubleSide, vertexShader: ribbonVertex, fragmentShader: ribbonFragment });
   const lines = new THREE.Mesh(geometry, material);
   lines.frustumCulled = false;
   return lines;
@@ -75,6 +75,7 @@ export function lineObject(packet: Packet, parts: ViewPart[], resolution: { valu
 const ribbonVertex = `
 attribute vec3 from, to, fromColour, toColour;
 uniform vec2 resolution;
+uniform float pale;
 varying vec3 colour;
 void main() {
   mat4 view = projectionMatrix * modelViewMatrix;
@@ -84,7 +85,7 @@ void main() {
   gl_Position = position.x < 0.5 ? a : b;
   gl_Position.xy += side * position.y * 1.1 / resolution * 2.0 * gl_Position.w;
   gl_Position.z -= 1.5e-3 * gl_Position.w;
-  colour = mix(fromColour, toColour, position.x);
+  colour = mix(mix(fromColour, toColour, position.x), vec3(1.0), pale);
 }`;
 const ribbonFragment = 'varying vec3 colour; void main() { gl_FragColor = vec4(colour, 1.0); }';
 

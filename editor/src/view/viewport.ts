@@ -46,7 +46,7 @@ export class Viewport {
   private readonly floor: THREE.Mesh;
   private layer: { mesh: THREE.Mesh; body: number } | null = null;
   private lines: THREE.Mesh[] = [];
-  private readonly resolution = { value: new THREE.Vector2(1, 1) };
+  private readonly ribbons = { resolution: { value: new THREE.Vector2(1, 1) }, pale: { value: 0 } };
   private section: View | null = null;
   private ghostOn = false;
   private wanted = false;
@@ -251,7 +251,7 @@ export class Viewport {
       old.geometry.dispose();
       (old.material as THREE.Material).dispose();
     }
-    this.lines = packets.map((packet) => lineObject(packet, this.view?.parts ?? [], this.resolution));
+    this.lines = packets.map((packet) => lineObject(packet, this.view?.parts ?? [], this.ribbons));
     if (this.lines.length > 0) this.scene.add(...this.lines);
     this.invalidate();
   }
@@ -333,7 +333,8 @@ export class Viewport {
     const azimuth = THREE.MathUtils.degToRad(this.lightAzimuth), elevation = THREE.MathUtils.degToRad(this.lightElevation);
     this.shared.lightDirection.value.copy(level.applyAxisAngle(up, azimuth)).multiplyScalar(Math.cos(elevation)).addScaledVector(up, Math.sin(elevation));
     this.shared.upDirection.value.copy(up);
-    this.floor.visible = this.floor.visible && !this.layer;
+    this.floor.visible = !this.layer;
+    this.ribbons.pale.value = this.layer || this.shared.mode.value === 1 ? 0.75 : 0; // where their colour is all about them
     this.renderer.render(this.scene, camera);
     this.overlay.draw();
     const took = performance.now() - start;
@@ -358,7 +359,7 @@ export class Viewport {
     this.coarse = false;
     this.renderer.setPixelRatio(ratio);
     this.renderer.setSize(width, height);
-    this.resolution.value.set(width, height);
+    this.ribbons.resolution.value.set(width, height);
     this.overlay.resize(width, height, ratio);
     this.table.resize(width, height);
     this.draw();
