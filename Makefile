@@ -56,7 +56,8 @@ check-editor: editor $(BUILD)/pith-configured
 bench-editor: editor $(BUILD)/pith-configured
 	@tools/install-packages browser
 	@cmake --build $(BUILD) --target pith pith-tetgen -j $(JOBS) -- --no-print-directory -s
-	@node editor/bench/bench.mjs
+	@mkdir -p bench/results
+	@node editor/bench/bench.mjs | tee bench/results/editor.txt
 
 # Everything but the longest checks, under AddressSanitizer and UndefinedBehaviorSanitizer.
 check-sanitize:

@@ -44,17 +44,25 @@ const app: App = {
   },
 };
 
+/* The packets of the view follow a document closely, and its panels take longer to lay out than a cut takes: they wait. */
+const panelsWait = 40;
+
 function takeDocument(event: Omit<DocumentEvent, 'event'>): void {
   const { revision, document, name, undo, redo, saved, recovered, bodies } = event;
-  store.set({ revision, document, name, undo, redo, saved, recovered, bodies, body: Math.min(store.state.body, Math.max(0, bodies.length - 1)) });
-  takeBodies(bodies);
+  store.set({ revision, document, name, undo, redo, saved, recovered, bodies, body: Math.min(store.state.body, Math.max(0, bodies.length - 1)) },
+            panelsWait);
+  showStale(bodies);
   const render = document.render ?? {};
   viewport.light(render.light_azimuth ?? -50, render.light_elevation ?? 48);
 }
 
 /* What is built of the bodies; those that show another solid than the document's are drawn paler. */
 function takeBodies(bodies: BodyState[]): void {
-  store.set({ bodies });
+  store.set({ bodies }, panelsWait);
+  showStale(bodies);
+}
+
+function showStale(bodies: BodyState[]): void {
   viewport.stale(new Set(bodies.flatMap((body, i) => (body.shown ? [] : [i]))));
 }
 

@@ -77,18 +77,29 @@ export class Store {
     return () => { this.listeners = this.listeners.filter((other) => other !== listener); };
   }
 
-  set(values: Partial<State>): void {
-    const before = this.changed.size;
+  /** Sets values; listeners hear of it at once, or `delay` milliseconds later, together with what changes meanwhile. */
+  set(values: Partial<State>, delay = 0): void {
     for (const key of Object.keys(values) as Key[]) {
       if (this.state[key] === values[key]) continue;
       (this.state as any)[key] = values[key];
       this.changed.add(key);
     }
-    if (before === 0 && this.changed.size > 0) queueMicrotask(() => this.tell());
+    if (this.changed.size === 0) return;
+    if (delay > 0) this.timer ||= window.setTimeout(() => this.tell(), delay);
+    else if (!this.due) {
+      this.due = true;
+      queueMicrotask(() => this.tell());
+    }
   }
+
+  private due = false;
+  private timer = 0;
 
   private tell(): void {
     const changed = this.changed;
+    clearTimeout(this.timer);
+    this.timer = 0;
+    this.due = false;
     this.changed = new Set();
     for (const { keys, call } of this.listeners.slice()) if (keys.some((key) => changed.has(key))) call();
   }

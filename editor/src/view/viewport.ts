@@ -153,8 +153,12 @@ export class Viewport {
   /** Bodies whose solid is not that of the present document: they are drawn paler. */
   stale(bodies: Set<number>): void {
     this.staleBodies = bodies;
-    for (const part of this.view?.parts ?? []) part.mesh.material.uniforms.stale.value = bodies.has(part.body);
-    this.invalidate();
+    for (const part of this.view?.parts ?? []) {
+      const { stale } = part.mesh.material.uniforms;
+      if (stale.value === bodies.has(part.body)) continue;
+      stale.value = !stale.value;
+      this.invalidate(); // only then: a picture more would hold up the next packet
+    }
   }
 
   /** The section that a plane under the pointer would lay open; null: none. The parts are clipped at the plane. */
@@ -190,6 +194,7 @@ export class Viewport {
   }
 
   light(azimuth: number, elevation: number): void {
+    if (azimuth === this.lightAzimuth && elevation === this.lightElevation) return;
     this.lightAzimuth = azimuth;
     this.lightElevation = elevation;
     this.invalidate();
@@ -206,8 +211,12 @@ export class Viewport {
   }
 
   pick(part: number | null): void {
-    this.view?.parts.forEach((one, i) => { one.mesh.material.uniforms.picked.value = i === part; });
-    this.invalidate();
+    this.view?.parts.forEach((one, i) => {
+      const { picked } = one.mesh.material.uniforms;
+      if (picked.value === (i === part)) return;
+      picked.value = i === part;
+      this.invalidate();
+    });
   }
 
   /** Where the brush is: a ring of this radius (world) on the surface; null: nowhere. */
