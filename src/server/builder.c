@@ -1,12 +1,12 @@
 /* The building thread: its queue, its jobs, and what it tells about them. */
 #include "builder.h"
 
-#include <pthread.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "bodies.h"
+#include "worker.h"
 
 /* Seconds between two tellings of how far a job is. */
 static const double telling = 0.05;
@@ -27,10 +27,7 @@ struct builder {
     outbox *out;
     bool cache;
     builder_calls calls;
-    pthread_t thread;
-    pthread_mutex_t lock;       /* of everything down to `done_kind` */
-    pthread_cond_t more;
-    bool ending;
+    worker work;                /* its lock is that of everything down to `done_kind` */
     uint32_t last_number;
     job *waiting, *running;
     builder_failure failure;
@@ -166,20 +163,20 @@ static void keep_stock(builder *own, const job *at, const pith_model *model)
 /* What came of an update; message: why it failed, NULL when it did not. */
 static void remember(builder *own, const job *at, const char *message)
 {
-    pthread_mutex_lock(&own->lock);
+    worker_lock(&own->work);
     own->failure = (builder_failure){ .signature = message ? at->signature : 0, .body = at->body };
     if (message) snprintf(own->failure.message, sizeof own->failure.message, "%s", message);
     own->done = message ? 0 : at->signature;
     own->done_kind = at->kind;
-    pthread_mutex_unlock(&own->lock);
+    worker_unlock(&own->work);
 }
 
 static void remember_start(builder *own, const job *at)
 {
     if (at->kind == JOB_PICTURE) return;
-    pthread_mutex_lock(&own->lock);
+    worker_lock(&own->work);
     own->done = 0;
-    pthread_mutex_unlock(&own->lock);
+    worker_unlock(&own->work);
 }
 
 static pith_status run_job(builder *own, job *at, json_t *more, pith_error *err)
@@ -220,29 +217,22 @@ static void do_job(builder *own, job *at)
          status == PITH_OK ? 1.0 : 0.0, "", more);
 }
 
-static void *work(void *user)
+static bool take_turn(void *user)
 {
     builder *own = user;
-    pthread_mutex_lock(&own->lock);
-    while (!own->ending) {
-        if (!own->waiting) {
-            pthread_cond_wait(&own->more, &own->lock);
-            continue;
-        }
-        own->running = own->waiting;
-        own->waiting = own->waiting->next;
-        pthread_mutex_unlock(&own->lock);
-        do_job(own, own->running);
-        pthread_mutex_lock(&own->lock);
-        job *gone = own->running;
-        own->running = NULL;
-        job_destroy(gone);
-        pthread_mutex_unlock(&own->lock);
-        own->calls.ended(own->calls.user);
-        pthread_mutex_lock(&own->lock);
-    }
-    pthread_mutex_unlock(&own->lock);
-    return NULL;
+    job *at = own->waiting;
+    if (!at) return false;
+    own->running = at;
+    own->waiting = at->next;
+    worker_unlock(&own->work);
+    do_job(own, at);
+    worker_lock(&own->work);
+    own->running = NULL;
+    job_destroy(at);
+    worker_unlock(&own->work);
+    own->calls.ended(own->calls.user);
+    worker_lock(&own->work);
+    return true;
 }
 
 /* ---- jobs -------------------------------------------------------------------------------------------------------- */
@@ -284,15 +274,15 @@ static bool is_any(const job *at, const void *wanted) { return (void)at, (void)w
 /* Takes the job over; gives its number. */
 static uint32_t add_job(builder *own, job *added)
 {
-    pthread_mutex_lock(&own->lock);
+    worker_lock(&own->work);
     if (added->kind == JOB_PICTURE && added->picture.stream[0]) cancel_where(own, is_stream, added->picture.stream);
     const uint32_t number = added->number = ++own->last_number;
     job **end = &own->waiting;
     while (*end) end = &(*end)->next;
     tell(own, added, "waiting", 0.0, "", NULL);
     *end = added;
-    pthread_cond_signal(&own->more);
-    pthread_mutex_unlock(&own->lock);
+    worker_call(&own->work);
+    worker_unlock(&own->work);
     return number;
 }
 
@@ -310,9 +300,9 @@ static uint32_t find_update(const builder *own, job_kind what, uint64_t signatur
 
 uint32_t builder_update(builder *own, held_document *held, job_kind what, uint64_t signature)
 {
-    pthread_mutex_lock(&own->lock);
+    worker_lock(&own->work);
     const uint32_t number = find_update(own, what, signature);
-    pthread_mutex_unlock(&own->lock);
+    worker_unlock(&own->work);
     if (number) return number; /* only the caller's thread adds jobs */
     job *added = pith_alloc(1, sizeof *added);
     if (!added) return 0;
@@ -334,47 +324,47 @@ uint32_t builder_picture(builder *own, const picture_wish *wish)
 
 bool builder_cancel(builder *own, uint32_t number)
 {
-    pthread_mutex_lock(&own->lock);
+    worker_lock(&own->work);
     const bool found = cancel_where(own, has_number, &number);
-    pthread_mutex_unlock(&own->lock);
+    worker_unlock(&own->work);
     return found;
 }
 
 void builder_cancel_updates(builder *own)
 {
-    pthread_mutex_lock(&own->lock);
+    worker_lock(&own->work);
     cancel_where(own, is_update, NULL);
-    pthread_mutex_unlock(&own->lock);
+    worker_unlock(&own->work);
 }
 
 void builder_cancel_pictures(builder *own, uint32_t socket)
 {
-    pthread_mutex_lock(&own->lock);
+    worker_lock(&own->work);
     cancel_where(own, is_for, &socket);
-    pthread_mutex_unlock(&own->lock);
+    worker_unlock(&own->work);
 }
 
 bool builder_is_at(builder *own, job_kind what, uint64_t signature)
 {
-    pthread_mutex_lock(&own->lock);
+    worker_lock(&own->work);
     const bool found = find_update(own, what, signature) != 0;
-    pthread_mutex_unlock(&own->lock);
+    worker_unlock(&own->work);
     return found;
 }
 
 bool builder_has_done(builder *own, job_kind what, uint64_t signature)
 {
-    pthread_mutex_lock(&own->lock);
+    worker_lock(&own->work);
     const bool done = own->done == signature && (own->done_kind == JOB_SOLID || own->done_kind == what);
-    pthread_mutex_unlock(&own->lock);
+    worker_unlock(&own->work);
     return done;
 }
 
 builder_failure builder_last_failure(builder *own)
 {
-    pthread_mutex_lock(&own->lock);
+    worker_lock(&own->work);
     const builder_failure failure = own->failure;
-    pthread_mutex_unlock(&own->lock);
+    worker_unlock(&own->work);
     return failure;
 }
 
@@ -387,29 +377,19 @@ pith_status builder_create(outbox *out, bool cache, const builder_calls *calls, 
     own->out = out;
     own->cache = cache;
     own->calls = *calls;
-    pthread_mutex_init(&own->lock, NULL);
-    pthread_cond_init(&own->more, NULL);
-    if (pthread_create(&own->thread, NULL, work, own) == 0) {
-        *made = own;
-        return PITH_OK;
-    }
-    pthread_cond_destroy(&own->more);
-    pthread_mutex_destroy(&own->lock);
-    pith_free(own);
-    return pith_fail(err, PITH_EXTERNAL, "no thread can be made for building");
+    const pith_status status = worker_start(&own->work, take_turn, own, "building", err);
+    if (status == PITH_OK) *made = own;
+    else pith_free(own);
+    return status;
 }
 
 void builder_destroy(builder *gone)
 {
     if (!gone) return;
-    pthread_mutex_lock(&gone->lock);
-    gone->ending = true;
+    worker_lock(&gone->work);
     cancel_where(gone, is_any, NULL);
-    pthread_cond_signal(&gone->more);
-    pthread_mutex_unlock(&gone->lock);
-    pthread_join(gone->thread, NULL);
+    worker_unlock(&gone->work);
+    worker_stop(&gone->work);
     built_model_destroy(gone->stock);
-    pthread_cond_destroy(&gone->more);
-    pthread_mutex_destroy(&gone->lock);
     pith_free(gone);
 }

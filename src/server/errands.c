@@ -1,12 +1,12 @@
 /* Exemplars for looking at. */
 #include "errands.h"
 
-#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "pack_internal.h"
 #include "request.h"
+#include "worker.h"
 
 typedef struct errand {
     uint32_t socket;
@@ -18,11 +18,8 @@ typedef struct errand {
 struct errands {
     const char *path;
     outbox *out;
-    pthread_t thread;
-    pthread_mutex_t lock;
-    pthread_cond_t more;
-    bool ending;
-    errand *first, **end;
+    worker work;
+    errand *first, **end;       /* under the worker's lock */
 };
 
 /* ---- one exemplar ------------------------------------------------------------------------------------------------ */
@@ -101,26 +98,24 @@ static void run(errands *own, errand *at)
 
 /* ---- the thread -------------------------------------------------------------------------------------------------- */
 
-static void *work(void *user)
+static void errand_destroy(errand *gone)
+{
+    json_decref(gone->exemplar);
+    pith_free(gone);
+}
+
+static bool take_turn(void *user)
 {
     errands *own = user;
-    pthread_mutex_lock(&own->lock);
-    while (!own->ending) {
-        errand *at = own->first;
-        if (!at) {
-            pthread_cond_wait(&own->more, &own->lock);
-            continue;
-        }
-        own->first = at->next;
-        if (!own->first) own->end = &own->first;
-        pthread_mutex_unlock(&own->lock);
-        run(own, at);
-        json_decref(at->exemplar);
-        pith_free(at);
-        pthread_mutex_lock(&own->lock);
-    }
-    pthread_mutex_unlock(&own->lock);
-    return NULL;
+    errand *at = own->first;
+    if (!at) return false;
+    own->first = at->next;
+    if (!own->first) own->end = &own->first;
+    worker_unlock(&own->work);
+    run(own, at);
+    errand_destroy(at);
+    worker_lock(&own->work);
+    return true;
 }
 
 void errands_exemplar(errands *own, uint32_t socket, json_int_t id, json_t *exemplar)
@@ -132,11 +127,11 @@ void errands_exemplar(errands *own, uint32_t socket, json_int_t id, json_t *exem
         return;
     }
     *made = (errand){ socket, id, exemplar, NULL };
-    pthread_mutex_lock(&own->lock);
+    worker_lock(&own->work);
     *own->end = made;
     own->end = &made->next;
-    pthread_cond_signal(&own->more);
-    pthread_mutex_unlock(&own->lock);
+    worker_call(&own->work);
+    worker_unlock(&own->work);
 }
 
 pith_status errands_create(const char *path, outbox *out, errands **made, pith_error *err)
@@ -146,32 +141,19 @@ pith_status errands_create(const char *path, outbox *out, errands **made, pith_e
     own->path = path;
     own->out = out;
     own->end = &own->first;
-    pthread_mutex_init(&own->lock, NULL);
-    pthread_cond_init(&own->more, NULL);
-    if (pthread_create(&own->thread, NULL, work, own) == 0) {
-        *made = own;
-        return PITH_OK;
-    }
-    pthread_cond_destroy(&own->more);
-    pthread_mutex_destroy(&own->lock);
-    pith_free(own);
-    return pith_fail(err, PITH_EXTERNAL, "no thread can be made for exemplars");
+    const pith_status status = worker_start(&own->work, take_turn, own, "exemplars", err);
+    if (status == PITH_OK) *made = own;
+    else pith_free(own);
+    return status;
 }
 
 void errands_destroy(errands *gone)
 {
     if (!gone) return;
-    pthread_mutex_lock(&gone->lock);
-    gone->ending = true;
-    pthread_cond_signal(&gone->more);
-    pthread_mutex_unlock(&gone->lock);
-    pthread_join(gone->thread, NULL);
+    worker_stop(&gone->work);
     for (errand *at = gone->first, *next; at; at = next) {
         next = at->next;
-        json_decref(at->exemplar);
-        pith_free(at);
+        errand_destroy(at);
     }
-    pthread_cond_destroy(&gone->more);
-    pthread_mutex_destroy(&gone->lock);
     pith_free(gone);
 }

@@ -9,53 +9,53 @@
 
 void viewer_document(viewer *own, held_document *held, uint64_t revision)
 {
-    pthread_mutex_lock(&own->lock);
+    worker_lock(&own->work);
     document_release(own->orders.held); /* one that nobody has looked at yet is passed over */
     own->orders.held = document_hold(held);
     own->orders.revision = revision;
-    pthread_cond_signal(&own->more);
-    pthread_mutex_unlock(&own->lock);
+    worker_call(&own->work);
+    worker_unlock(&own->work);
 }
 
 void viewer_arrive(viewer *own, built_model *made)
 {
-    pthread_mutex_lock(&own->lock);
+    worker_lock(&own->work);
     if (!pith_grow((void **)&own->orders.arrived, &own->orders.arrived_capacity, own->orders.arrived_count + 1,
                    sizeof *own->orders.arrived))
         built_model_destroy(made);
     else
         own->orders.arrived[own->orders.arrived_count++] = made;
-    pthread_cond_signal(&own->more);
-    pthread_mutex_unlock(&own->lock);
+    worker_call(&own->work);
+    worker_unlock(&own->work);
 }
 
 void viewer_hello(viewer *own, uint32_t socket)
 {
-    pthread_mutex_lock(&own->lock);
+    worker_lock(&own->work);
     if (pith_grow((void **)&own->orders.hellos, &own->orders.hello_capacity, own->orders.hello_count + 1,
                   sizeof *own->orders.hellos))
         own->orders.hellos[own->orders.hello_count++] = socket;
-    pthread_cond_signal(&own->more);
-    pthread_mutex_unlock(&own->lock);
+    worker_call(&own->work);
+    worker_unlock(&own->work);
 }
 
 viewer_state *viewer_look(viewer *own)
 {
-    pthread_mutex_lock(&own->lock);
+    worker_lock(&own->work);
     const viewer_state *state = own->state;
     const size_t size = state ? sizeof *state + state->count * sizeof *state->bodies : 0;
     viewer_state *copy = state ? pith_alloc(1, size) : NULL;
     if (copy) memcpy(copy, state, size);
-    pthread_mutex_unlock(&own->lock);
+    worker_unlock(&own->work);
     return copy;
 }
 
 void viewer_tell_state(viewer *own, viewer_state *state)
 {
-    pthread_mutex_lock(&own->lock);
+    worker_lock(&own->work);
     pith_free(own->state);
     own->state = state;
-    pthread_mutex_unlock(&own->lock);
+    worker_unlock(&own->work);
     own->told(own->user);
 }
 
@@ -108,31 +108,25 @@ static void obey(viewer *own, viewer_orders *orders)
     for (size_t i = 0; i < orders->hello_count; ++i) viewer_send_all(own, orders->hellos[i]);
 }
 
-static void *work(void *user)
+/* News before questions: they are about what is shown. */
+static bool take_turn(void *user)
 {
     viewer *own = user;
-    pthread_mutex_lock(&own->lock);
-    while (!own->ending) {
-        question *asked = anything(&own->orders) ? NULL : take_question(own);
-        if (!asked && !anything(&own->orders)) {
-            pthread_cond_wait(&own->more, &own->lock);
-            continue;
-        }
-        viewer_orders orders = own->orders;
-        own->orders = (viewer_orders){ .questions = orders.questions };
-        orders.questions = NULL;
-        pthread_mutex_unlock(&own->lock);
-        if (asked) {
-            viewer_answer(own, asked);
-            question_destroy(asked);
-        } else {
-            obey(own, &orders);
-        }
-        orders_clear(&orders);
-        pthread_mutex_lock(&own->lock);
+    question *asked = anything(&own->orders) ? NULL : take_question(own);
+    if (!asked && !anything(&own->orders)) return false;
+    viewer_orders orders = own->orders;
+    own->orders = (viewer_orders){ .questions = orders.questions };
+    orders.questions = NULL;
+    worker_unlock(&own->work);
+    if (asked) {
+        viewer_answer(own, asked);
+        question_destroy(asked);
+    } else {
+        obey(own, &orders);
     }
-    pthread_mutex_unlock(&own->lock);
-    return NULL;
+    orders_clear(&orders);
+    worker_lock(&own->work);
+    return true;
 }
 
 /* ---- life -------------------------------------------------------------------------------------------------------- */
@@ -146,30 +140,18 @@ pith_status viewer_create(const char *path, outbox *out, void (*told)(void *user
     own->out = out;
     own->told = told;
     own->user = user;
-    pthread_mutex_init(&own->lock, NULL);
-    pthread_cond_init(&own->more, NULL);
-    if (pthread_create(&own->thread, NULL, work, own) == 0) {
-        *made = own;
-        return PITH_OK;
-    }
-    pthread_cond_destroy(&own->more);
-    pthread_mutex_destroy(&own->lock);
-    pith_free(own);
-    return pith_fail(err, PITH_EXTERNAL, "no thread can be made for looking");
+    const pith_status status = worker_start(&own->work, take_turn, own, "looking", err);
+    if (status == PITH_OK) *made = own;
+    else pith_free(own);
+    return status;
 }
 
 void viewer_destroy(viewer *gone)
 {
     if (!gone) return;
-    pthread_mutex_lock(&gone->lock);
-    gone->ending = true;
-    pthread_cond_signal(&gone->more);
-    pthread_mutex_unlock(&gone->lock);
-    pthread_join(gone->thread, NULL);
+    worker_stop(&gone->work);
     orders_clear(&gone->orders);
     viewer_clear_models(gone);
     pith_free(gone->state);
-    pthread_cond_destroy(&gone->more);
-    pthread_mutex_destroy(&gone->lock);
     pith_free(gone);
 }

@@ -2,9 +2,8 @@
 #ifndef PITH_SERVER_VIEWER_INTERNAL_H
 #define PITH_SERVER_VIEWER_INTERNAL_H
 
-#include <pthread.h>
-
 #include "viewer.h"
+#include "worker.h"
 
 typedef struct question {
     question_kind kind;
@@ -43,11 +42,8 @@ struct viewer {
     outbox *out;
     void (*told)(void *user);
     void *user;
-    pthread_t thread;
-    pthread_mutex_t lock;       /* of orders, ending, state */
-    pthread_cond_t more;
+    worker work;                /* its lock is that of orders and state */
     viewer_orders orders;
-    bool ending;
     viewer_state *state;
 
     /* Of the viewer's thread. */

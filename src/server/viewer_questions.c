@@ -39,7 +39,7 @@ pith_status viewer_ask(viewer *own, question_kind kind, uint32_t socket, json_in
         return PITH_OUT_OF_MEMORY(err, "a question");
     }
     *made = (question){ .kind = kind, .socket = socket, .id = id, .asked = asked };
-    pthread_mutex_lock(&own->lock);
+    worker_lock(&own->work);
     question **at = &own->orders.questions;
     while (*at) {
         question *here = *at;
@@ -52,8 +52,8 @@ pith_status viewer_ask(viewer *own, question_kind kind, uint32_t socket, json_in
         question_destroy(here);
     }
     *at = made;
-    pthread_cond_signal(&own->more);
-    pthread_mutex_unlock(&own->lock);
+    worker_call(&own->work);
+    worker_unlock(&own->work);
     return PITH_OK;
 }
 
@@ -296,10 +296,10 @@ void viewer_answer(viewer *own, const question *at)
 
 void viewer_refuse_questions(viewer *own, const char *message)
 {
-    pthread_mutex_lock(&own->lock);
+    worker_lock(&own->work);
     question *all = own->orders.questions;
     own->orders.questions = NULL;
-    pthread_mutex_unlock(&own->lock);
+    worker_unlock(&own->work);
     for (question *next; all; all = next) {
         next = all->next;
         refuse(own, all, pith_status_text(PITH_BAD_ARGUMENT), message);
