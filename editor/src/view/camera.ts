@@ -103,6 +103,14 @@ export class Turntable {
     this.settle();
   }
 
+  /** The point at the target's distance that is seen at x, y: from -1 to 1 across the view and upwards. */
+  beside(x: number, y: number): THREE.Vector3 {
+    const right = new THREE.Vector3(), top = new THREE.Vector3(), back = new THREE.Vector3();
+    this.camera.matrix.extractBasis(right, top, back);
+    const half = this.camera.position.distanceTo(this.target) * Math.tan(THREE.MathUtils.degToRad(this.camera.fov) / 2);
+    return this.target.clone().addScaledVector(right, x * half * this.camera.aspect).addScaledVector(top, y * half);
+  }
+
   private sideways(direction: THREE.Vector3): THREE.Vector3 {
     const other = Math.abs(direction.y) < 0.9 ? new THREE.Vector3(0, -1, 0) : new THREE.Vector3(1, 0, 0);
     return other.addScaledVector(direction, -other.dot(direction)).normalize();
@@ -148,9 +156,12 @@ export class Hands {
     const other = [...this.down.entries()].find(([id]) => id !== event.pointerId)?.[1];
     this.down.set(event.pointerId, { x: event.clientX, y: event.clientY });
     if (other) {
+      // About the middle between the fingers, so that the order in which they are told of does not matter.
       const before = Math.hypot(at.x - other.x, at.y - other.y), now = Math.hypot(event.clientX - other.x, event.clientY - other.y);
-      if (before > 10 && now > 10) this.table.zoom(before / now);
-      this.table.pan(dx / 2, dy / 2, this.element.clientHeight);
+      const { left, top, width, height } = this.element.getBoundingClientRect();
+      const x = ((at.x + other.x) / 2 - left) / width, y = ((at.y + other.y) / 2 - top) / height;
+      if (before > 10 && now > 10) this.table.zoom(before / now, this.table.beside(2 * x - 1, 1 - 2 * y));
+      this.table.pan(dx / 2, dy / 2, height);
     } else if (this.pan) this.table.pan(dx, dy, this.element.clientHeight);
     else this.table.orbit((dx * Math.PI) / this.element.clientHeight, (dy * Math.PI) / this.element.clientHeight);
   }
