@@ -1,27 +1,9 @@
 /* Faces of a body as an editor sees them: the depth painted on each, and which triangle of the mesh each face of a tet
    and each triangle of a skin is. Distances to triangles are worked out here, not by the tracer that the code asks. */
-#include "document_samples.h"
-
-static pith_error err;
-
-typedef struct opened { pith_document *document; pith_model *model; } opened;
-
-static opened open_text(const char *text)
-{
-    opened made = { 0 };
-    CHECK_OK(parse_text(text, &made.document, &err));
-    CHECK_OK(pith_model_create(made.document, NULL, NULL, &made.model, &err));
-    return made;
-}
-
-static void close_model(opened *what)
-{
-    pith_model_destroy(what->model);
-    pith_document_destroy(what->document);
-}
+#include "opened.h"
 
 /* A flat round slab: a face looks up, down or to the side. */
-#define SLAB "\"shape\": { \"slab\": { \"detail\": 12, \"bottom\": -0.5, \"top\": 0.5 } }"
+#define SLAB          "\"shape\": { \"slab\": { \"detail\": 12, \"bottom\": -0.5, \"top\": 0.5 } }"
 #define PAINTED(list) "{ \"pith\": 1, " SLAB ", \"depth\": { \"constraints\": [ " list " ] } }"
 enum { UP, DOWN, SIDE };
 
@@ -35,14 +17,17 @@ static int look_of(const pith_mesh_view *mesh, uint32_t face)
 
 /* ---- what is painted ------------------------------------------------------------------------------------------------------- */
 
-#define ABOVE "{ \"facing\": [0, 0, 1], \"within\": 5, \"depth\": 0.25 }"
-#define BELOW "{ \"facing\": [0, 0, -1], \"within\": 5, \"depth\": 0.5 }"
+#define ABOVE     "{ \"facing\": [0, 0, 1], \"within\": 5, \"depth\": 0.25 }"
+#define BELOW     "{ \"facing\": [0, 0, -1], \"within\": 5, \"depth\": 0.5 }"
 #define ALL_OF_IT "{ \"faces\": \"all\", \"depth\": 1 }"
-#define CORE "{ \"points\": [[0, 0, 0]], \"depth\": 0.75 }"
-#define LISTED "{ \"faces\": [3, 0], \"depth\": 0.125 }"
+#define CORE      "{ \"points\": [[0, 0, 0]], \"depth\": 0.75 }"
+#define LISTED    "{ \"faces\": [3, 0], \"depth\": 0.125 }"
 
 /* Depths above, below, at the side, and of the faces 0 and 3. */
-static const struct painted_case { const char *text; double depth[3], listed; } painted_cases[] = {
+static const struct painted_case {
+    const char *text;
+    double depth[3], listed;
+} painted_cases[] = {
     { "{ \"pith\": 1, " SLAB " }", { NAN, NAN, NAN }, NAN },
     { PAINTED(CORE), { NAN, NAN, NAN }, NAN },
     { PAINTED(CORE ", " ABOVE ", " BELOW ", " LISTED), { 0.25, 0.5, NAN }, 0.125 },
@@ -89,7 +74,8 @@ static void test_refusals(void **state)
     CHECK_FAILS(pith_model_painted(at.model, &depth, NULL, &err), PITH_BAD_DOCUMENT,
                 "kiwi.pith: depth.constraints[1].faces[1]: is 9999, but the cleaned mesh has");
     close_model(&at);
-    at = open_text("{ \"pith\": 1, \"bodies\": [ { \"name\": \"a\", " SLAB " }, { \"name\": \"b\", " SLAB ", \"depth\": {"
+    at = open_text("{ \"pith\": 1, \"bodies\": [ { \"name\": \"a\", " SLAB " }, { \"name\": \"b\", " SLAB
+                   ", \"depth\": {"
                    " \"constraints\": [ { \"facing\": [0, 0.3, 1], \"within\": 1, \"depth\": 0 } ] } } ] }");
     CHECK_FAILS(pith_model_painted(at.model, &depth, NULL, &err), PITH_BAD_ARGUMENT, "the model has 2 bodies");
     CHECK_FAILS(pith_model_surface_faces(at.model, NULL, &err), PITH_BAD_ARGUMENT, "the model has 2 bodies");
@@ -145,11 +131,15 @@ static bool same_corners(const pith_tets_view *tets, uint32_t t, int k, const pi
 
 #define FRUIT(more) "{ \"pith\": 1, \"shape\": { \"fruit\": { \"detail\": 2, \"radius_z\": 1.2 }" more " }"
 /* kept: the mesh's faces are the tets'. */
-static const struct faces_case { const char *text; bool kept; } faces_cases[] = {
+static const struct faces_case {
+    const char *text;
+    bool kept;
+} faces_cases[] = {
     { FRUIT(", \"tets\": { \"tetrahedra\": 600 } }"), true },
     { PAINTED(ALL_OF_IT ", " CORE), true },
     { FRUIT(", \"tets\": { \"tetrahedra\": 600 },"
-            " \"refine\": { \"depth_above\": 0, \"passes\": 3 } }, " SAMPLE_DEPTH), false },
+            " \"refine\": { \"depth_above\": 0, \"passes\": 3 } }, " SAMPLE_DEPTH),
+      false },
     { FRUIT(", \"tets\": { \"mesher\": \"stuffing\", \"tetrahedra\": 1500 } }"), false },
 };
 
@@ -199,8 +189,9 @@ static void test_faces_of_tets(void **state)
 static void test_from_a_skin_to_the_mesh(void **state)
 {
     (void)state;
-    opened at = open_text(FRUIT(", \"tets\": { \"tetrahedra\": 600 } }, \"cuts\": [ { \"plane\": { \"point\": [0, 0, 0.1],"
-                                " \"normal\": [1, 2, 3] } }, { \"plane\": { \"point\": [0, 0, 0], \"normal\": [3, -1, 1] } } ]"));
+    opened at = open_text(
+        FRUIT(", \"tets\": { \"tetrahedra\": 600 } }, \"cuts\": [ { \"plane\": { \"point\": [0, 0, 0.1],"
+              " \"normal\": [1, 2, 3] } }, { \"plane\": { \"point\": [0, 0, 0], \"normal\": [3, -1, 1] } } ]"));
     const uint32_t(*faces)[4];
     const pith_mesh *mesh;
     const pith_model_piece *pieces;
@@ -220,7 +211,8 @@ static void test_from_a_skin_to_the_mesh(void **state)
             int face = -1;
             for (int k = 0; k < 4; ++k)
                 if (faces[shell.source_tet[t]][k] != PITH_NONE &&
-                    fmax(fabs(weights[t][0][k]), fmax(fabs(weights[t][1][k]), fabs(weights[t][2][k]))) < 1e-9) face = k;
+                    fmax(fabs(weights[t][0][k]), fmax(fabs(weights[t][1][k]), fabs(weights[t][2][k]))) < 1e-9)
+                    face = k;
             assert_true(face >= 0);
             pith_vec3 c[3];
             for (int k = 0; k < 3; ++k) {
@@ -269,10 +261,8 @@ static void test_no_memory(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_painted_depths),
-        cmocka_unit_test(test_refusals),
-        cmocka_unit_test(test_faces_of_tets),
-        cmocka_unit_test(test_from_a_skin_to_the_mesh),
+        cmocka_unit_test(test_painted_depths), cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_faces_of_tets),  cmocka_unit_test(test_from_a_skin_to_the_mesh),
         cmocka_unit_test(test_no_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

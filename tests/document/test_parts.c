@@ -1,24 +1,6 @@
 /* Pieces that a document hides and moves: which they are, what later cuts make of them, and what operations do to the
    entries that say so. */
-#include "document_samples.h"
-
-static pith_error err;
-
-typedef struct opened { pith_document *document; pith_model *model; } opened;
-
-static opened open_text(const char *text)
-{
-    opened made = { 0 };
-    CHECK_OK(parse_text(text, &made.document, &err));
-    CHECK_OK(pith_model_create(made.document, NULL, NULL, &made.model, &err));
-    return made;
-}
-
-static void close_model(opened *what)
-{
-    pith_model_destroy(what->model);
-    pith_document_destroy(what->document);
-}
+#include "opened.h"
 
 static size_t pieces_of(const opened *at, const pith_model_piece **pieces)
 {
@@ -45,7 +27,7 @@ static bool is_inside(const pith_shell *shell, pith_vec3 point)
     return winding > 0.5;
 }
 
-#define UP "{ \"plane\": { \"point\": [0, 0, 0], \"normal\": [0, 0, 1] }, \"gap\": 0.5 }"
+#define UP     "{ \"plane\": { \"point\": [0, 0, 0], \"normal\": [0, 0, 1] }, \"gap\": 0.5 }"
 #define ACROSS "{ \"plane\": { \"point\": [0, 0, 0], \"normal\": [1, 0, 0] } }"
 #define LOOP                                                                                                           \
     "{ \"stroke\": { \"eye\": [0, -8, 0], \"points\": [[-2, 0, 0.3], [2, 0, 0.3], [2, 0, -0.3], [-2, 0, -0.3],"        \
@@ -61,8 +43,13 @@ static void test_the_piece_with_the_point(void **state)
 {
     (void)state;
     static const char *const cuts[] = {
-        UP, UP ", " ACROSS, ACROSS ", " LOOP " }", ACROSS ", " LOOP ", \"separate\": true }",
-        UP ", " LOOP ", \"separate\": true }, " ACROSS, LOOP ", \"keep\": \"positive\" }, " UP, "",
+        UP,
+        UP ", " ACROSS,
+        ACROSS ", " LOOP " }",
+        ACROSS ", " LOOP ", \"separate\": true }",
+        UP ", " LOOP ", \"separate\": true }, " ACROSS,
+        LOOP ", \"keep\": \"positive\" }, " UP,
+        "",
         LOOP ", \"keep\": \"negative\" }",
     };
     pith_rng rng = pith_rng_make(4, 0);
@@ -74,8 +61,10 @@ static void test_the_piece_with_the_point(void **state)
             const pith_vec3 point = pith_v3(2.0 * pith_rng_unit(&rng) - 1.0, 2.0 * pith_rng_unit(&rng) - 1.0,
                                             2.0 * pith_rng_unit(&rng) - 1.0);
             char text[1500];
-            snprintf(text, sizeof text, "{ \"pith\": 1, " SAMPLE_SHAPE ", \"cuts\": [ %s ], \"parts\": [ { \"at\": [%.17g,"
-                     " %.17g, %.17g], \"hidden\": true } ] }", cuts[i], point.x, point.y, point.z);
+            snprintf(text, sizeof text,
+                     "{ \"pith\": 1, " SAMPLE_SHAPE ", \"cuts\": [ %s ], \"parts\": [ { \"at\": [%.17g,"
+                     " %.17g, %.17g], \"hidden\": true } ] }",
+                     cuts[i], point.x, point.y, point.z);
             opened at = open_text(text);
             pith_model_share(at.model, plain.model);
             const pith_model_piece *pieces;
@@ -98,16 +87,18 @@ static void test_points_inside_name_pieces(void **state)
 {
     (void)state;
     static const char cuts[] = UP ", " LOOP ", \"separate\": true }, " ACROSS;
-    opened plain = open_text("{ \"pith\": 1, " SAMPLE_SHAPE ", \"cuts\": [ " UP ", " LOOP ", \"separate\": true }, " ACROSS
-                             " ] }");
+    opened plain = open_text("{ \"pith\": 1, " SAMPLE_SHAPE ", \"cuts\": [ " UP ", " LOOP
+                             ", \"separate\": true }, " ACROSS " ] }");
     const pith_model_piece *pieces, *again;
     const size_t count = pieces_of(&plain, &pieces);
     assert_int_equal(count, 8);
     for (size_t i = 0; i < count; ++i) {
         const pith_vec3 in = pieces[i].inside;
         char text[1500];
-        snprintf(text, sizeof text, "{ \"pith\": 1, " SAMPLE_SHAPE ", \"cuts\": [ %s ], \"parts\": [ { \"at\": [%.17g, %.17g,"
-                 " %.17g], \"after\": 3, \"offset\": [1, 2, 3] } ] }", cuts, in.x, in.y, in.z);
+        snprintf(text, sizeof text,
+                 "{ \"pith\": 1, " SAMPLE_SHAPE ", \"cuts\": [ %s ], \"parts\": [ { \"at\": [%.17g, %.17g,"
+                 " %.17g], \"after\": 3, \"offset\": [1, 2, 3] } ] }",
+                 cuts, in.x, in.y, in.z);
         opened at = open_text(text);
         pith_model_share(at.model, plain.model);
         assert_int_equal(pieces_of(&at, &again), count);
@@ -128,19 +119,30 @@ static int quarter_of(pith_vec3 inside) { return 2 * (inside.z > 0) + (inside.x 
 
 #define AT(x, z) "\"at\": [" x ", 0.1, " z "]"
 /* parts, and of each quarter: hidden, and where it goes beyond the gap. */
-static const struct parts_case { const char *text; unsigned hidden; pith_vec3 moved[4]; } parts_cases[] = {
+static const struct parts_case {
+    const char *text;
+    unsigned hidden;
+    pith_vec3 moved[4];
+} parts_cases[] = {
     { WITH(UP ", " ACROSS, ""), 0, { { 0, 0, 0 } } },
     { WITH(UP ", " ACROSS, "{ " AT("0.3", "0.3") ", \"after\": 2, \"hidden\": true }"), 8, { { 0, 0, 0 } } },
     { WITH(UP ", " ACROSS, "{ " AT("0.3", "0.3") ", \"after\": 1, \"hidden\": true }"), 12, { { 0, 0, 0 } } },
     { WITH(UP ", " ACROSS, "{ " AT("0.3", "0.3") ", \"after\": 0, \"hidden\": true }"), 15, { { 0, 0, 0 } } },
-    { WITH(UP ", " ACROSS, "{ " AT("0.3", "0.3") ", \"after\": 1, \"hidden\": true }, { " AT("-0.3", "0.2")
-           ", \"hidden\": false }"), 8, { { 0, 0, 0 } } },
-    { WITH(UP ", " ACROSS, "{ " AT("-0.3", "0.2") ", \"hidden\": false }, { " AT("0.3", "0.3")
-           ", \"after\": 1, \"hidden\": true }"), 8, { { 0, 0, 0 } } }, /* the order of cuts, not of the list */
-    { WITH(UP ", " ACROSS, "{ " AT("0.3", "0.3") ", \"after\": 1, \"offset\": [0, 0, 2] }, { " AT("0.3", "0.3")
-           ", \"after\": 2, \"offset\": [1, 0, 0] }"), 0, { { 0, 0, 0 }, { 0, 0, 0 }, { 0, 0, 2 }, { 1, 0, 2 } } },
-    { WITH(UP ", " ACROSS, "{ " AT("0", "-0.1") ", \"after\": 0, \"offset\": [0, 5, 0] }, { " AT("-0.3", "-0.3")
-           ", \"offset\": [0, 0, -1], \"hidden\": true }"), 1,
+    { WITH(UP ", " ACROSS,
+           "{ " AT("0.3", "0.3") ", \"after\": 1, \"hidden\": true }, { " AT("-0.3", "0.2") ", \"hidden\": false }"),
+      8,
+      { { 0, 0, 0 } } },
+    { WITH(UP ", " ACROSS,
+           "{ " AT("-0.3", "0.2") ", \"hidden\": false }, { " AT("0.3", "0.3") ", \"after\": 1, \"hidden\": true }"),
+      8,
+      { { 0, 0, 0 } } }, /* the order of cuts, not of the list */
+    { WITH(UP ", " ACROSS, "{ " AT("0.3", "0.3") ", \"after\": 1, \"offset\": [0, 0, 2] }, { " AT(
+                               "0.3", "0.3") ", \"after\": 2, \"offset\": [1, 0, 0] }"),
+      0,
+      { { 0, 0, 0 }, { 0, 0, 0 }, { 0, 0, 2 }, { 1, 0, 2 } } },
+    { WITH(UP ", " ACROSS, "{ " AT("0", "-0.1") ", \"after\": 0, \"offset\": [0, 5, 0] }, { " AT(
+                               "-0.3", "-0.3") ", \"offset\": [0, 0, -1], \"hidden\": true }"),
+      1,
       { { 0, 5, -1 }, { 0, 5, 0 }, { 0, 5, 0 }, { 0, 5, 0 } } },
 };
 
@@ -184,7 +186,8 @@ static void test_hiding_moving_and_inheriting(void **state)
         pith_camera camera;
         if (item_count == 0)
             CHECK_FAILS(pith_model_camera(at.model, 1, &camera, &err), PITH_BAD_DOCUMENT, "cuts and parts: nothing");
-        else CHECK_OK(pith_model_camera(at.model, 1, &camera, &err));
+        else
+            CHECK_OK(pith_model_camera(at.model, 1, &camera, &err));
         close_model(&at);
     }
 }
@@ -194,9 +197,14 @@ static void test_bodies(void **state)
 {
     (void)state;
 #define TWO(parts)                                                                                                     \
-    "{ \"pith\": 1, \"bodies\": [ { \"name\": \"skin\", " SAMPLE_SHAPE " }, { \"name\": \"core\", " SAMPLE_SHAPE " } ],"   \
+    "{ \"pith\": 1, \"bodies\": [ { \"name\": \"skin\", " SAMPLE_SHAPE " }, { \"name\": \"core\", " SAMPLE_SHAPE       \
+    " } ],"                                                                                                            \
     " \"cuts\": [ " UP " ], \"parts\": [ " parts " ] }"
-    static const struct { const char *text; unsigned hidden; } cases[] = { /* bits: 2 * body + above */
+    static const struct {
+        const char *text;
+        unsigned hidden;
+    } cases[] = {
+        /* bits: 2 * body + above */
         { TWO("{ " AT("0.3", "0.3") ", \"hidden\": true }"), 2 },
         { TWO("{ " AT("0.3", "0.3") ", \"body\": \"core\", \"hidden\": true }"), 8 },
         { TWO("{ " AT("0.3", "-0.3") ", \"body\": \"core\", \"after\": 0, \"hidden\": true }"), 12 },
@@ -222,8 +230,8 @@ static void test_bodies(void **state)
 static void test_other_cuts_than_the_documents(void **state)
 {
     (void)state;
-    opened at = open_text(WITH(UP ", " ACROSS, "{ " AT("0.3", "0.3") ", \"after\": 1, \"hidden\": true }, { "
-                               AT("0.3", "0.3") ", \"after\": 0, \"offset\": [0, 0, 7] }"));
+    opened at = open_text(WITH(UP ", " ACROSS, "{ " AT("0.3", "0.3") ", \"after\": 1, \"hidden\": true }, { " AT(
+                                                   "0.3", "0.3") ", \"after\": 0, \"offset\": [0, 0, 7] }"));
     const pith_model_piece *pieces;
     CHECK_OK(pith_model_set_cuts(at.model, &at.document->cuts[1], 1, &err));
     assert_int_equal(pieces_of(&at, &pieces), 2);
@@ -238,33 +246,36 @@ static void test_what_changes_nothing_is_told_once(void **state)
 {
     (void)state;
     opened at = open_text(WITH(UP, "{ " AT("0.3", "0.3") ", \"hidden\": false },"
-                                   " { \"at\": [9, 0.5, 0], \"hidden\": true }"));
+                                                         " { \"at\": [9, 0.5, 0], \"hidden\": true }"));
     const pith_model_piece *pieces;
     const pith_volume_item *parts;
     size_t count;
     assert_int_equal(pieces_of(&at, &pieces), 2);
     CHECK_OK(pith_model_volume_items(at.model, &parts, &count, &err));
     assert_int_equal(count, 2);
-    assert_string_equal(pith_model_notes(at.model), "kiwi.pith: parts[1]: no piece has [9, 0.5, 0] in it after 1 cut, so the "
-                                                    "entry changes nothing");
+    assert_string_equal(pith_model_notes(at.model),
+                        "kiwi.pith: parts[1]: no piece has [9, 0.5, 0] in it after 1 cut, so the "
+                        "entry changes nothing");
     close_model(&at);
 }
 
 /* ---- operations ------------------------------------------------------------------------------------------------------------ */
 
-#define OP(name, more) "{ \"op\": \"part." name "\"" more " }"
-#define P ", \"at\": [1, 2, 3]"
-#define Q ", \"at\": [4, 5, 6]"
+#define OP(name, more)   "{ \"op\": \"part." name "\"" more " }"
+#define P                ", \"at\": [1, 2, 3]"
+#define Q                ", \"at\": [4, 5, 6]"
 #define P_AFTER(n, more) "{ \"at\": [1, 2, 3], \"after\": " #n more " }"
 #define Q_AFTER(n, more) "{ \"at\": [4, 5, 6], \"after\": " #n more " }"
-#define HIDDEN ", \"hidden\": true"
-#define SHOWN ", \"hidden\": false"
-#define MOVED ", \"offset\": [0, 0, 1]"
-#define CUT "{ \"op\": \"cut.plane\", \"plane\": { \"point\": [0, 0, 0], \"normal\": [1, 0, 0] } }"
-#define UNCUT(index) "{ \"op\": \"cut.remove\", \"index\": " #index " }"
+#define HIDDEN           ", \"hidden\": true"
+#define SHOWN            ", \"hidden\": false"
+#define MOVED            ", \"offset\": [0, 0, 1]"
+#define CUT              "{ \"op\": \"cut.plane\", \"plane\": { \"point\": [0, 0, 0], \"normal\": [1, 0, 0] } }"
+#define UNCUT(index)     "{ \"op\": \"cut.remove\", \"index\": " #index " }"
 
 /* What "parts" is after these operations on a document without any; NULL: not there. */
-static const struct effect { const char *operations, *parts; } effects[] = {
+static const struct effect {
+    const char *operations, *parts;
+} effects[] = {
     { OP("hide", P), P_AFTER(0, HIDDEN) },
     { CUT ", " CUT ", " OP("hide", P), P_AFTER(2, HIDDEN) },
     { OP("hide", P) ", " OP("hide", P), P_AFTER(0, HIDDEN) },
@@ -288,9 +299,11 @@ static const struct effect { const char *operations, *parts; } effects[] = {
     { CUT ", " CUT ", " OP("hide", P) ", " CUT ", " OP("hide", Q) ", " UNCUT(2), P_AFTER(2, HIDDEN) },
     { OP("hide", P) ", " CUT ", " UNCUT(0), P_AFTER(0, HIDDEN) },
     /* written by hand */
-    { "{ \"op\": \"set\", \"path\": \"parts\", \"value\": [ { \"at\": [1, 2, 3], \"hidden\": true } ] }, "
-      OP("move", P MOVED), "{ \"at\": [1, 2, 3], \"hidden\": true, \"offset\": [0, 0, 1] }" },
-    { "{ \"op\": \"set\", \"path\": \"parts\", \"value\": [ { \"at\": [1, 2, 3], \"hidden\": true } ] }, " CUT ", " UNCUT(0),
+    { "{ \"op\": \"set\", \"path\": \"parts\", \"value\": [ { \"at\": [1, 2, 3], \"hidden\": true } ] }, " OP("move",
+                                                                                                              P MOVED),
+      "{ \"at\": [1, 2, 3], \"hidden\": true, \"offset\": [0, 0, 1] }" },
+    { "{ \"op\": \"set\", \"path\": \"parts\", \"value\": [ { \"at\": [1, 2, 3], \"hidden\": true } ] }, " CUT
+      ", " UNCUT(0),
       "{ \"at\": [1, 2, 3], \"hidden\": true }" },
 };
 
@@ -316,18 +329,20 @@ static void test_operations(void **state)
 
     /* The body is part of what an entry is found by. */
     CHECK_OK(parse_text(TWO(""), &bare, &err));
-    static const char named[] = "[ " OP("hide", P) ", " OP("hide", P ", \"body\": \"core\"") ", "
-                                OP("move", P MOVED ", \"body\": \"core\"") " ]";
+    static const char named[] = "[ " OP("hide", P) ", " OP("hide", P ", \"body\": \"core\"") ", " OP(
+        "move", P MOVED ", \"body\": \"core\"") " ]";
     CHECK_OK(pith_document_apply(bare, named, sizeof named - 1, &edited, &err));
-    json_t *expected = json_loads("[ " P_AFTER(1, HIDDEN) ", "
-                                   P_AFTER(1, HIDDEN MOVED ", \"body\": \"core\"") " ]", 0, NULL);
+    json_t *expected =
+        json_loads("[ " P_AFTER(1, HIDDEN) ", " P_AFTER(1, HIDDEN MOVED ", \"body\": \"core\"") " ]", 0, NULL);
     assert_true(json_equal(json_object_get(edited->root, "parts"), expected));
     json_decref(expected);
     pith_document_destroy(edited);
     pith_document_destroy(bare);
 }
 
-static const struct refusal { const char *text, *operation, *words; } refusals[] = {
+static const struct refusal {
+    const char *text, *operation, *words;
+} refusals[] = {
     { WITH(UP, "{ \"hidden\": true }"), NULL, "kiwi.pith: parts[0]: \"at\" is missing" },
     { WITH(UP, "{ " AT("0", "0") ", \"after\": 2 }"), NULL, "kiwi.pith: parts[0].after: is 2, but there is 1 cut" },
     { WITH(UP ", " UP, "{ " AT("0", "0") ", \"after\": 3 }"), NULL, "parts[0].after: is 3, but there are 2 cuts" },

@@ -2,27 +2,8 @@
    out the same whether the model was built alone or goes on from another. */
 #include <pthread.h>
 
-#include "document_samples.h"
+#include "opened.h"
 #include "model_internal.h"
-
-static pith_error err;
-
-typedef struct opened { pith_document *document; pith_model *model; } opened;
-
-static opened open_text(const char *text)
-{
-    opened made = { 0 };
-    CHECK_OK(parse_text(text, &made.document, &err));
-    CHECK_OK(pith_model_create(made.document, NULL, NULL, &made.model, &err));
-    return made;
-}
-
-static void close_model(opened *what)
-{
-    pith_model_destroy(what->model);
-    pith_document_destroy(what->document);
-    *what = (opened){ 0 };
-}
 
 static size_t pieces_of(const opened *at, bool displaced, const pith_model_piece **pieces)
 {
@@ -82,16 +63,20 @@ static bool is_inside(const pith_shell *shell, pith_vec3 point)
 static void test_pieces_without_solids(void **state)
 {
     (void)state;
-    static const struct { const char *text; size_t count; double share; } cases[] = {
+    static const struct {
+        const char *text;
+        size_t count;
+        double share;
+    } cases[] = {
         { BARE(""), 1, 1 },
         { BARE(LEAN), 2, 1 },
         { BARE(LEAN ", " FLAT), 4, 1 },
         { BARE(LEAN ", " FLAT ", " SIDE), 4, 0 },
         { BARE(LOOP), 2, 0 },
         { BARE(LOOP ", " LEAN), 4, 0 },
-        { BARE(PLANE(0, 0, 5, 0, 0, 1, "")), 1, 1 },                        /* misses it */
+        { BARE(PLANE(0, 0, 5, 0, 0, 1, "")), 1, 1 },                         /* misses it */
         { BARE(PLANE(0, 0, 5, 0, 0, 1, ", \"keep\": \"positive\"")), 0, 0 }, /* nothing is left */
-        { BARE(PLANE(0, 0, 1.18, 0, 0, 1, "")), 2, 1 },                     /* a slice of parts of tets */
+        { BARE(PLANE(0, 0, 1.18, 0, 0, 1, "")), 2, 1 },                      /* a slice of parts of tets */
         { BARE(PLANE(0, 0, 0, 0, 0, 1, ", \"separate\": true")), 2, 1 },
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
@@ -119,11 +104,12 @@ static void test_pieces_without_solids(void **state)
 static void test_pieces_are_the_items(void **state)
 {
     (void)state;
-    opened at = open_text("{ \"pith\": 1, \"bodies\": [ { \"name\": \"a\", " SAMPLE_SHAPE ", " SAMPLE_DEPTH ","
-                          " \"solids\": [ " SAMPLE_SOLID_1A " ], \"displacement\": { \"channel\": 0, \"amount\": 0.05,"
-                          " \"edge\": 0.3 } }, { \"name\": \"b\", \"shape\": { \"slab\": {}, \"tets\": { \"tetrahedra\":"
-                          " 300 } }, " SAMPLE_DEPTH_OF_SLAB ", \"solids\": [ " SAMPLE_SOLID_1A " ] } ], \"cuts\": [ "
-                          LEAN ", " FLAT " ] }");
+    opened at =
+        open_text("{ \"pith\": 1, \"bodies\": [ { \"name\": \"a\", " SAMPLE_SHAPE ", " SAMPLE_DEPTH ","
+                  " \"solids\": [ " SAMPLE_SOLID_1A " ], \"displacement\": { \"channel\": 0, \"amount\": 0.05,"
+                  " \"edge\": 0.3 } }, { \"name\": \"b\", \"shape\": { \"slab\": {}, \"tets\": { \"tetrahedra\":"
+                  " 300 } }, " SAMPLE_DEPTH_OF_SLAB ", \"solids\": [ " SAMPLE_SOLID_1A " ] } ], \"cuts\": [ " LEAN
+                  ", " FLAT " ] }");
     const pith_model_piece *plain, *moved;
     const pith_render_item *items;
     size_t count;
@@ -154,21 +140,26 @@ static void test_pieces_are_the_items(void **state)
     /* Skins are moved by solids; without one only the plain pieces are there. */
     at = open_text("{ \"pith\": 1, " SAMPLE_SHAPE ", \"displacement\": {} }");
     assert_int_equal(pieces_of(&at, false, &plain), 1);
-    CHECK_FAILS(pith_model_pieces(at.model, true, &moved, &count, &err), PITH_BAD_DOCUMENT, "solids: the document has none");
+    CHECK_FAILS(pith_model_pieces(at.model, true, &moved, &count, &err), PITH_BAD_DOCUMENT,
+                "solids: the document has none");
     close_model(&at);
 }
 
 /* ---- from one model to the next --------------------------------------------------------------------------------------- */
 
 /* An editor's way through cuts; levels: how many of those of the model before are taken over. */
-static const struct step { const char *cuts; size_t levels; bool shells; } steps[] = {
+static const struct step {
+    const char *cuts;
+    size_t levels;
+    bool shells;
+} steps[] = {
     { "", 0, false },
     { LEAN, 1, false },
     { LEAN ", " FLAT, 1, false },
     { LEAN ", " FLAT ", " SIDE, 2, false },
-    { LEAN ", " FLAT, 3, false },                                  /* undo */
-    { PLANE(0.1, 0, 0, 1, 0.3, 0.2, "") ", " FLAT, 3, true },      /* no gap */
-    { LEAN ", " PLANE(0, 0, 0.06, 0, 0, 1, ""), 2, false },        /* the last is dragged */
+    { LEAN ", " FLAT, 3, false },                             /* undo */
+    { PLANE(0.1, 0, 0, 1, 0.3, 0.2, "") ", " FLAT, 3, true }, /* no gap */
+    { LEAN ", " PLANE(0, 0, 0.06, 0, 0, 1, ""), 2, false },   /* the last is dragged */
     { LEAN ", " LOOP, 2, false },
     { LEAN ", " LOOP ", " SIDE, 3, false },
     { LEAN ", " LOOP ", " SIDE ", " FLAT, 3, false },
@@ -227,8 +218,8 @@ static void test_levels_are_kept_by_those_who_need_them(void **state)
     assert_int_equal(pieces_of(&at, false, &pieces), 1);
     close_model(&at);
 
-    at = open_text("{ \"pith\": 1, " SAMPLE_SHAPE ", " SAMPLE_DEPTH ", \"solids\": [ " SAMPLE_SOLID_1A " ], \"cuts\": [ "
-                   LEAN ", " FLAT ", " SIDE " ] }");
+    at = open_text("{ \"pith\": 1, " SAMPLE_SHAPE ", " SAMPLE_DEPTH ", \"solids\": [ " SAMPLE_SOLID_1A
+                   " ], \"cuts\": [ " LEAN ", " FLAT ", " SIDE " ] }");
     const pith_render_item *items;
     size_t count;
     CHECK_OK(pith_model_items(at.model, &items, &count, &err));
@@ -255,7 +246,12 @@ static void test_threads_change_nothing(void **state)
     close_model(&one);
 }
 
-typedef struct job { opened at; bool close; pith_status status; pith_error error; } job;
+typedef struct job {
+    opened at;
+    bool close;
+    pith_status status;
+    pith_error error;
+} job;
 
 static void *cut_on(void *user)
 {
@@ -309,8 +305,10 @@ static void test_no_memory(void **state)
         pith_model_share(at.model, before.model);
         const pith_status status = pith_model_pieces(at.model, false, &pieces, &count, &err);
         pith_memory_fail_after(SIZE_MAX);
-        if (status == PITH_OK) assert_true(n > 10);
-        else assert_int_equal(status, PITH_NO_MEMORY);
+        if (status == PITH_OK)
+            assert_true(n > 10);
+        else
+            assert_int_equal(status, PITH_NO_MEMORY);
         check_same(&at, &fresh, false); /* it may be asked again */
         close_model(&at);
         if (status == PITH_OK) break;

@@ -2,15 +2,12 @@
    bit, either of the two may go first, and both may be used at once. */
 #include <pthread.h>
 
-#include "document_samples.h"
+#include "opened.h"
 #include "model_internal.h"
 
 enum { POINTS = 3000 };
 
-static pith_error err;
-
-#define SECOND_RECIPE                                                                                                  \
-    "{ \"size\": [16, 16, 16], \"stops\": [ { \"depth\": 0, \"colour\": \"#2040f0\" } ] }"
+#define SECOND_RECIPE "{ \"size\": [16, 16, 16], \"stops\": [ { \"depth\": 0, \"colour\": \"#2040f0\" } ] }"
 #define PASTE                                                                                                          \
     "{ \"exemplar\": { \"layered\": " SECOND_RECIPE " }, \"point\": [0.3, 0, 0], \"up\": [0, 0, 1],"                   \
     " \"along\": [1, 0, 0], \"size\": 0.5 }"
@@ -22,28 +19,12 @@ static const char full[] =
     " \"solids\": [ { \"name\": \"flesh\", \"kind\": \"lapped\", \"type\": \"1-B\","
     "   \"exemplar\": { \"layered\": " SAMPLE_RECIPE " }, \"pastes\": [ " PASTE " ] }, " SAMPLE_SOLID_1A " ] }";
 
-typedef struct opened { pith_document *document; pith_model *model; } opened;
-
-static opened open_text(const char *text)
-{
-    opened made = { 0 };
-    CHECK_OK(parse_text(text, &made.document, &err));
-    CHECK_OK(pith_model_create(made.document, NULL, NULL, &made.model, &err));
-    return made;
-}
-
 static opened open_edited(const opened *from, const char *operation)
 {
     opened made = { 0 };
     CHECK_OK(pith_document_apply(from->document, operation, strlen(operation), &made.document, &err));
     CHECK_OK(pith_model_create(made.document, NULL, NULL, &made.model, &err));
     return made;
-}
-
-static void close_model(opened *what)
-{
-    pith_model_destroy(what->model);
-    pith_document_destroy(what->document);
 }
 
 /* Every stage the model can have. */
@@ -68,8 +49,8 @@ static int make_points(void **state)
 {
     pith_rng rng = pith_rng_make(5, 0);
     for (int i = 0; i < POINTS; ++i)
-        points[i] = pith_v3(2.2 * pith_rng_unit(&rng) - 1.1, 2.2 * pith_rng_unit(&rng) - 1.1,
-                            2.6 * pith_rng_unit(&rng) - 1.3);
+        points[i] =
+            pith_v3(2.2 * pith_rng_unit(&rng) - 1.1, 2.2 * pith_rng_unit(&rng) - 1.1, 2.6 * pith_rng_unit(&rng) - 1.3);
     return make_folder(state);
 }
 
@@ -105,7 +86,10 @@ enum { ALL = (1u << STAGE_COUNT) - 1 };
 #define SOLIDS (BIT(FILL) | BIT(SOLID))
 #define DEPTHS (BIT(DEPTH) | BIT(GRADIENT))
 
-static const struct edit_case { const char *operation; unsigned kept; } edits[] = {
+static const struct edit_case {
+    const char *operation;
+    unsigned kept;
+} edits[] = {
     { "{ \"op\": \"set\", \"path\": \"title\", \"value\": \"else\" }", ALL },
     { "{ \"op\": \"cut.plane\", \"plane\": { \"point\": [0, 0, 0], \"normal\": [1, 0, 0] } }", ALL },
     { "{ \"op\": \"paste.move\", \"point\": [0, 0.3, 0] }", ALL & ~BIT(SOLID) },
@@ -113,7 +97,8 @@ static const struct edit_case { const char *operation; unsigned kept; } edits[] 
     { "{ \"op\": \"direction.stroke\", \"points\": [[0.5, 0, 0], [0.5, 0.1, 0]] }", ALL & ~(BIT(SECONDARY) | SOLIDS) },
     { "{ \"op\": \"depth.points\", \"points\": [[0.3, 0, 0]], \"depth\": 0.9 }",
       ALL & ~(DEPTHS | BIT(SECONDARY) | SOLIDS | BIT(PAINTED)) },
-    { "{ \"op\": \"vectors.inside\", \"points\": [[0.2, 0, 0], [0.3, 0, 0]] }", ALL & ~(BIT(VECTORS) | BIT(DIRECTIONS)) },
+    { "{ \"op\": \"vectors.inside\", \"points\": [[0.2, 0, 0], [0.3, 0, 0]] }",
+      ALL & ~(BIT(VECTORS) | BIT(DIRECTIONS)) },
     { "{ \"op\": \"scale.point\", \"point\": [0.1, 0, 0], \"size\": 0.4 }", ALL & ~BIT(SCALE) },
     { "{ \"op\": \"solid.choose\", \"name\": \"rock\" }", ALL & ~SOLIDS },
     { "{ \"op\": \"set\", \"path\": \"solids[0].seed\", \"value\": 7 }", ALL & ~SOLIDS },
@@ -181,8 +166,10 @@ static void test_grids_are_told_by_their_contents(void **state)
     const char *path = in_folder("grid.nrrd");
     CHECK_OK(pith_grid_write_nrrd(grid, path, PITH_NRRD_FLOAT, false, &err));
     char text[700];
-    snprintf(text, sizeof text, "{ \"pith\": 1, " SAMPLE_SHAPE ", \"solids\": [ { \"name\": \"g\", \"kind\": \"grid\","
-             " \"file\": \"%s\" } ] }", path);
+    snprintf(text, sizeof text,
+             "{ \"pith\": 1, " SAMPLE_SHAPE ", \"solids\": [ { \"name\": \"g\", \"kind\": \"grid\","
+             " \"file\": \"%s\" } ] }",
+             path);
     opened first = open_text(text), same = open_text(text);
     CHECK_OK(pith_model_solid(first.model, NULL, &err));
     pith_model_share(same.model, first.model);
@@ -230,7 +217,10 @@ static void test_notes_come_along(void **state)
 static void test_bodies_are_found_by_name_or_place(void **state)
 {
     (void)state;
-    static const struct body_case { const char *text; int from[2]; } cases[] = {
+    static const struct body_case {
+        const char *text;
+        int from[2];
+    } cases[] = {
         { BODIES(BODY("a", "1.2") ", " BODY("b", "0.8")), { 0, 1 } },
         { BODIES(BODY("b", "0.8") ", " BODY("a", "1.2")), { 1, 0 } },  /* by name */
         { BODIES(BODY("c", "1.2") ", " BODY("b", "0.8")), { 0, 1 } },  /* a new name: by place */
@@ -268,7 +258,7 @@ static void test_bodies_are_found_by_name_or_place(void **state)
 
 typedef struct job {
     pith_model *model;
-    bool build;                 /* else: ask what is there, many times */
+    bool build; /* else: ask what is there, many times */
     float colours[POINTS][4];
     pith_status status;
     pith_error error;
