@@ -32,6 +32,7 @@ try {
   await use(kiwi.page, { mode: 'depth', tool: 'fill' });
   await take(kiwi.page, 'depth');
   await use(kiwi.page, { tool: 'direction', mode: 'depth', layer: 0.35, lines: 'layer' });
+  await kiwi.page.evaluate(() => globalThis.pith.viewport.table.zoom(1.4)); // a layer is whole, whatever is cut away
   await kiwi.page.waitForTimeout(2500);
   await take(kiwi.page, 'lines');
   await kiwi.end();
