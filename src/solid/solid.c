@@ -1,5 +1,5 @@
 /* The sampling interface: checks, blocks, threads. The answering is done by the kinds. */
-#include "solid_kind.h"
+#include "pith/solid_kind.h"
 
 #include <omp.h>
 
