@@ -29,6 +29,8 @@ typedef struct node_class {
        concurrently; allocates nothing. Lanes from count on may be read (they hold some number) and written. */
     void (*run)(const void *state, const lanes *const *inputs, uint32_t input_count, uint32_t count, lanes *out);
     void (*release)(void *state); /* NULL: pith_free */
+    /* The same for a node whose `any` inputs are colours, all of them then. */
+    void (*run_colours)(const void *state, const lanes *const *inputs, uint32_t input_count, uint32_t count, lanes *out);
 } node_class;
 
 /* The class of a function from pith_functions. */
@@ -41,8 +43,13 @@ static inline uint64_t node_seed(const node_build *build, uint64_t own)
 
 /* ---- the functions ------------------------------------------------------------------------------------------------ */
 
+/* What is asked for: the engine fills these, they have no `run`. */
+extern const node_class node_position, node_normal, node_view, node_light, node_direction;
+extern const node_class node_place, node_transform, node_warp, node_repeat, node_point;         /* points */
+extern const node_class node_number, node_colour, node_component, node_dot, node_luminance;     /* values */
+extern const node_class node_combine, node_mix, node_curve, node_map;                           /* combinations */
 extern const node_class node_noise, node_slope, node_fractal, node_turbulence, node_cellular, node_phasor; /* lattice */
-extern const node_class node_rings, node_checks, node_bombs, node_waves, node_veins;                       /* patterns */
-extern const node_class node_table, node_project;                                                          /* tables */
+extern const node_class node_rings, node_checks, node_bombs, node_waves, node_veins;            /* patterns */
+extern const node_class node_table, node_project;                                               /* tables */
 
 #endif
