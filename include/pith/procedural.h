@@ -64,8 +64,8 @@ typedef struct pith_node {
     const void *options;            /* function->params->size bytes; NULL: the standard ones */
     const pith_link *links;         /* [link_count]; those of an input that takes many in their order */
     size_t link_count;
-    const pith_image *image;        /* assets, as the function needs them; copied, but for image and grid, which the */
-    const pith_grid *grid;          /* solid borrows: they must outlive it */
+    const pith_image *image;        /* assets, as the function needs them; everything is copied */
+    const pith_grid *grid;
     const pith_stop *stops;
     size_t stop_count;
     const pith_wave *waves;
@@ -80,10 +80,14 @@ typedef struct pith_procedural {
     uint32_t opacity;               /* a number that multiplies the colour's opacity; PITH_NONE: none */
     uint32_t displacement;          /* a number that becomes the channel behind RGBA; PITH_NONE: there is no such */
     uint64_t seed;                  /* goes into every random choice of every node */
-    const pith_tets *tets;          /* of the function "direction": a direction per vertex (unit); borrowed, NULL when */
-    const pith_locator *locator;    /* no node needs them */
-    const pith_vec3 *direction;
+    const pith_tets *tets;          /* for the function "direction", NULL when no node has it: borrowed, as the locator */
+    const pith_locator *locator;    /* of these tets, for questions that do not know their tet */
+    const pith_vec3 *direction;     /* [vertex_count] unit; copied */
 } pith_procedural;
+
+/** Checks the graph alone: functions, options, links, cycles, and that assets are there (what is in images and grids is
+ *  not looked at). Refuses with PITH_BAD_ARGUMENT what pith_solid_procedural would. O(nodes + links). */
+pith_status pith_procedural_check(const pith_procedural *from, pith_error *err);
 
 /** Builds the solid: checks the graph, prepares tables, and orders the nodes. Nodes that nothing needs are checked and
  *  left out. PITH_BAD_ARGUMENT: a cycle (named node by node), an input that is missing, given twice or of another kind,

@@ -279,8 +279,10 @@ static pith_status build_solid(pith_document *made, reader *in, const json_t *fr
             return reader_fail(in, "is \"%s\", as solids[%td] already is; names must differ", to->name,
                                other - body->solids);
         }
-    to->kind = strcmp(json_string_value(json_object_get(from, "kind")), "grid") == 0 ? SOLID_GRID : SOLID_LAPPED;
+    const char *kind = json_string_value(json_object_get(from, "kind"));
+    to->kind = strcmp(kind, "grid") == 0 ? SOLID_GRID : strcmp(kind, "lapped") == 0 ? SOLID_LAPPED : SOLID_PROCEDURAL;
     if (to->kind == SOLID_LAPPED) return build_lapped(made, in, from, body, to);
+    if (to->kind == SOLID_PROCEDURAL) return graph_build(made, in, from, body, &to->graph);
     json_options(from, &document_grid_params, &to->grid);
     return document_path(made, from, "file", &to->grid_file, in->err);
 }

@@ -5,6 +5,7 @@
 #include <jansson.h>
 
 #include "pith/document.h"
+#include "pith/procedural.h"
 
 /* ---- grammar: which keys an object may have ------------------------------------------------------------------ */
 
@@ -22,10 +23,14 @@ typedef enum value_kind {
     VALUE_FACES,    /* "all" or a list of indices */
     VALUE_SIZES,    /* [r, s, t], whole numbers 8 .. 256 */
     VALUE_INDEX,    /* a whole number from 0 */
+    VALUE_MATRIX,   /* three or four rows of four numbers; the last of four is 0, 0, 0, 1 */
+    VALUE_INPUT,    /* a node's name, a number or "#rrggbb" */
+    VALUE_INPUTS,   /* one of these, or a list of them */
     VALUE_ANY,      /* whatever JSON there is; what it becomes part of is checked */
     VALUE_OBJECT,   /* an object of the inner grammar */
     VALUE_LIST,     /* a list of objects of the inner grammar */
-    VALUE_KINDS     /* a list of objects; "kind" says which of the inner grammars (NULL-named end) each follows */
+    VALUE_KINDS     /* a list of objects; a word, "kind" or what the second key of the inner grammars is called, says
+                       which of them (NULL-named end) each follows */
 } value_kind;
 
 typedef struct grammar grammar;
@@ -98,6 +103,12 @@ typedef struct document_operation {
 } document_operation;
 extern const document_operation document_operations[]; /* the last has no name */
 
+/* Of functions of procedural solids: their options, inputs and assets; "function" says which (grammar_functions.c). */
+enum { MOST_FUNCTIONS = 63 };
+extern grammar grammar_functions[MOST_FUNCTIONS + 1];
+
+/* The key that says which of the kinds an entry is. */
+const char *kinds_word(const grammar *kinds);
 /* The grammar that a checked entry of a list of kinds follows. */
 const grammar *grammar_of_kind(const grammar *kinds, const json_t *entry);
 /* The object with its keys in the grammar's order; a new reference or NULL (no memory). */
@@ -127,7 +138,18 @@ typedef struct document_exemplar {
     pith_recipe *recipe;            /* or NULL; owned by the document */
 } document_exemplar;
 
-typedef enum solid_kind { SOLID_LAPPED, SOLID_GRID } solid_kind;
+/* A graph of functions; assets of its nodes are paths yet. */
+typedef struct document_graph {
+    pith_node *nodes;               /* [count]; nodes written in place of inputs are the last */
+    const char **images, **grids;   /* [count] resolved paths, or NULL */
+    size_t count;
+    uint32_t colour, opacity, displacement;
+    struct graph_options { uint64_t seed; } options;
+    bool directed;                  /* a node follows the body's direction field */
+    uint64_t hash;                  /* of all it says, but for what is in the files */
+} document_graph;
+
+typedef enum solid_kind { SOLID_LAPPED, SOLID_GRID, SOLID_PROCEDURAL } solid_kind;
 typedef struct grid_options { bool clamp; } grid_options;
 
 typedef struct document_solid {
@@ -139,6 +161,7 @@ typedef struct document_solid {
     size_t paste_count;
     const char *grid_file;
     grid_options grid;
+    document_graph graph;
 } document_solid;
 
 typedef struct paste_options { double size, mask_radius, drop_off; } paste_options;
@@ -253,16 +276,24 @@ pith_status body_build(pith_document *made, reader *in, const json_t *from, docu
 /* Frees what a body holds outside the document's memory. */
 void body_clear(document_body *body);
 
+/* From the checked object of a procedural solid; `in` stands there. Refuses names of nodes that are not there, and what
+   pith_procedural_check does. */
+pith_status graph_build(pith_document *made, reader *in, const json_t *from, const document_body *body,
+                        document_graph *to);
+
 /* What a texture type needs, for refusals, for building and for keys. */
 typedef struct type_needs { const char *word; bool depth, direction, vectors, scale; } type_needs;
 const type_needs *type_needs_of(uint32_t type);
 
 extern const pith_params document_grid_params, document_lens_params, document_depth_value_params,
-    document_constraint_params, document_recipe_params, document_stop_params;
+    document_constraint_params, document_recipe_params, document_stop_params, document_graph_params,
+    document_map_stop_params, document_wave_params;
 extern const pith_params document_part_params;
 extern const pith_params document_scale_value_params, document_paste_params, document_transfer_params;
 typedef struct depth_value { double depth, within; } depth_value; /* within: of constraints only */
 typedef struct transfer_value { double value, opacity; } transfer_value;
+typedef struct map_stop_value { double at, opacity; } map_stop_value;
+typedef struct wave_value { double amplitude, phase; } wave_value;
 typedef struct stop_value { double depth, opacity; } stop_value;
 typedef struct recipe_options { uint64_t seed; double strip_blend; bool homogeneous; } recipe_options;
 

@@ -94,6 +94,12 @@ static const pith_param transfer_items[] = {
 };
 const pith_params document_transfer_params = { "transfer", transfer_items, 2, sizeof(transfer_value) };
 
+static const pith_param graph_items[] = {
+    { "seed", "1", "another seed makes every random choice of the solid another", PITH_PARAM_SEED, 0, 1, 0x1p53,
+      offsetof(struct graph_options, seed), NULL },
+};
+const pith_params document_graph_params = { "procedural", graph_items, 1, sizeof(struct graph_options) };
+
 const pith_params *const *pith_document_tables(void)
 {
     static const pith_params *const tables[] = {
@@ -103,7 +109,7 @@ const pith_params *const *pith_document_tables(void)
         &document_grid_params, &document_recipe_params, &document_stop_params, &pith_noise_layer_params,
         &pith_brick_layer_params, &pith_particle_layer_params, &pith_cut_step_params, &pith_cut_stroke_params,
         &document_part_params, &document_lens_params, &pith_render_params, &pith_volume_params,
-        &document_transfer_params, NULL,
+        &document_transfer_params, &document_graph_params, &document_map_stop_params, &document_wave_params, NULL,
     };
     return tables;
 }
@@ -239,6 +245,14 @@ static const grammar solid_kinds[] = {
     { "grid", "A voxel grid, in the mesh's coordinates.",
       KEYS(SOLID_KEYS, { "file", VALUE_FILE, "NRRD", NULL }), &document_grid_params, NAMES("name", "kind", "file"),
       NULL },
+    { "procedural", "Computed from the point alone by a graph of functions.",
+      KEYS(SOLID_KEYS,
+           { "nodes", VALUE_KINDS, "the functions, each with a name that others call it by; in any order",
+             grammar_functions },
+           { "colour", VALUE_INPUT, "the node that gives the colour; a number is grey", NULL },
+           { "opacity", VALUE_INPUT, "a node that multiplies the colour's opacity", NULL },
+           { "displacement", VALUE_INPUT, "a node that becomes the channel behind the colour's four", NULL }),
+      &document_graph_params, NAMES("name", "kind", "nodes", "colour"), NULL },
     { NULL, NULL, NULL, 0, NULL, NULL, NULL },
 };
 const grammar grammar_plane = {

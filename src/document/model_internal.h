@@ -151,6 +151,8 @@ void model_took(pith_model *model, size_t member, double start);
 
 /* Makes `what` the body's stage and takes it over, also when it fails; what the body has already, stays. */
 pith_status model_hold(pith_model *model, model_stage stage, void *what, pith_error *err);
+/* The same for what borrows another stage than its kind does; itself: none. */
+pith_status model_hold_on(pith_model *model, model_stage stage, void *what, model_stage borrowed, pith_error *err);
 /* Makes the body's fill its solid. */
 void model_hold_fill(pith_model *model);
 /* The exemplar of a paste, when it is there. */

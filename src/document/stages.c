@@ -247,6 +247,17 @@ static pith_status hash_lapped(const document_solid *solid, uint64_t *hash, pith
     return PITH_OK;
 }
 
+static pith_status hash_graph(const document_graph *graph, stage_keys *keys, pith_error *err)
+{
+    keys->solid = pith_hash_bytes(&graph->hash, sizeof graph->hash, keys->solid);
+    for (size_t i = 0; i < graph->count; ++i) {
+        if (graph->images[i]) PITH_TRY(hash_file(graph->images[i], &keys->solid, err));
+        if (graph->grids[i]) PITH_TRY(hash_file(graph->grids[i], &keys->solid, err));
+    }
+    if (graph->directed) keys->solid = pith_hash_bytes(&keys->fields, sizeof keys->fields, keys->solid);
+    return PITH_OK;
+}
+
 pith_status stage_keys_of(const document_body *body, stage_keys *keys, pith_error *err)
 {
     stage_keys made;
@@ -272,6 +283,7 @@ pith_status stage_keys_of(const document_body *body, stage_keys *keys, pith_erro
         PITH_TRY(hash_file(solid->grid_file, &made.solid, err));
         made.solid = hash_options(&document_grid_params, &solid->grid, made.solid);
     }
+    if (solid && solid->kind == SOLID_PROCEDURAL) PITH_TRY(hash_graph(&solid->graph, &made, err));
     *keys = made;
     return PITH_OK;
 }

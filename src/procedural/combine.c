@@ -177,16 +177,11 @@ static const pith_input curve_inputs[] = {
     { .name = NULL },
 };
 
-static pith_status prepare_curve(const node_build *build, void **state, pith_error *err)
+static pith_status check_curve(const node_build *build, pith_error *err)
 {
     const curve_options *options = build->options;
-    if (options->low == options->high)
-        return pith_fail(err, PITH_BAD_ARGUMENT, "high: is %g, as `low` is; they must differ", options->high);
-    curve_options *made = pith_alloc(1, sizeof *made);
-    if (!made) return PITH_OUT_OF_MEMORY(err, "a curve");
-    *made = *options;
-    *state = made;
-    return PITH_OK;
+    if (options->low != options->high) return PITH_OK;
+    return pith_fail(err, PITH_BAD_ARGUMENT, "high: is %g, as `low` is; they must differ", options->high);
 }
 
 /* Places in 0..1, or beyond where the curve is not held. Sine and triangle go up and down again. */
@@ -220,6 +215,6 @@ static void run_curve(const void *state, const lanes *const *inputs, uint32_t in
 
 const node_class node_curve = {
     .shown = { "curve", "A number bent into another.", PITH_VALUE_NUMBER, curve_inputs, &curve_params, 0 },
-    .prepare = prepare_curve,
+    .check = check_curve,
     .run = run_curve,
 };

@@ -106,14 +106,8 @@ static pith_status make_state(const compiler *own, uint32_t index, void **state,
 {
     const pith_node *node = &own->from->nodes[index];
     const node_class *class = node_class_of(node->function);
-    const pith_params *params = node->function->params;
-    void *options = NULL;
-    if (params) {
-        options = pith_alloc(1, params->size);
-        if (!options) return PITH_OUT_OF_MEMORY(err, "options");
-        if (node->options) memcpy(options, node->options, params->size);
-        else pith_params_defaults(params, options);
-    }
+    void *options = node_options(node);
+    if (node->function->params && !options) return PITH_OUT_OF_MEMORY(err, "options");
     if (!class->prepare) {
         *state = options;
         return PITH_OK;
@@ -122,8 +116,19 @@ static pith_status make_state(const compiler *own, uint32_t index, void **state,
     pith_error why;
     const pith_status status = class->prepare(&build, state, &why);
     pith_free(options);
-    if (status == PITH_OK || status == PITH_NO_MEMORY) return status == PITH_OK ? PITH_OK : pith_fail(err, status, "%s", why.message);
+    if (status == PITH_OK) return PITH_OK;
+    if (status == PITH_NO_MEMORY) return pith_fail(err, status, "%s", why.message);
     return node_fail(own->from, index, err, "%s", why.message);
+}
+
+static pith_status copy_direction(compiler *own, pith_error *err)
+{
+    const size_t count = pith_tets_look(own->from->tets).vertex_count;
+    if (own->made->direction) return PITH_OK;
+    own->made->direction = pith_alloc(count, sizeof *own->made->direction);
+    if (!own->made->direction) return PITH_OUT_OF_MEMORY(err, "directions");
+    memcpy(own->made->direction, own->from->direction, count * sizeof *own->made->direction);
+    return PITH_OK;
 }
 
 static pith_status compile_node(compiler *own, uint32_t index, pith_error *err)
@@ -132,6 +137,7 @@ static pith_status compile_node(compiler *own, uint32_t index, pith_error *err)
     if (!class->run) {
         if (class == &node_direction && !(own->from->tets && own->from->locator && own->from->direction))
             return node_fail(own->from, index, err, "the body has no direction field");
+        if (class == &node_direction) PITH_TRY(copy_direction(own, err));
         return ask_value(own, class, &own->value_of[index], err);
     }
     const bool colours = plan_in_colours(own->from, &own->plan, index);
@@ -196,6 +202,7 @@ static pith_status allot(compiler *own, pith_error *err)
 static void program_destroy(pith_solid *solid)
 {
     program *gone = (program *)solid;
+    pith_free(gone->direction);
     for (uint32_t s = 0; s < gone->step_count; ++s) {
         const step *at = &gone->steps[s];
         if (at->class && at->class->release && at->state) at->class->release(at->state);
@@ -219,6 +226,14 @@ static pith_status compile(compiler *own, pith_error *err)
     return allot(own, err);
 }
 
+pith_status pith_procedural_check(const pith_procedural *from, pith_error *err)
+{
+    plan made;
+    PITH_TRY(plan_make(from, &made, err));
+    plan_clear(&made);
+    return PITH_OK;
+}
+
 pith_status pith_solid_procedural(const pith_procedural *from, pith_solid **solid, pith_error *err)
 {
     compiler own = { .from = from, .position = PITH_NONE };
@@ -230,7 +245,7 @@ pith_status pith_solid_procedural(const pith_procedural *from, pith_solid **soli
     if (status == PITH_OK) {
         *made = (program){ .base = { &procedural_class, from->displacement == PITH_NONE ? 4u : 5u },
                            .colour = PITH_NONE, .opacity = PITH_NONE, .displacement = PITH_NONE,
-                           .tets = from->tets, .locator = from->locator, .direction = from->direction };
+                           .tets = from->tets, .locator = from->locator };
         status = compile(&own, err);
         if (status == PITH_OK) *solid = &made->base;
         else program_destroy(&made->base);

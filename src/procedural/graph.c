@@ -36,6 +36,15 @@ size_t input_count_of(const pith_function *function)
     return count;
 }
 
+void *node_options(const pith_node *node)
+{
+    const pith_params *params = node->function->params;
+    void *options = params ? pith_alloc(1, params->size) : NULL;
+    if (options && node->options) memcpy(options, node->options, params->size);
+    else if (options) pith_params_defaults(params, options);
+    return options;
+}
+
 /* ---- one node alone --------------------------------------------------------------------------------------------------- */
 
 static pith_status check_links(const pith_procedural *from, uint32_t index, pith_error *err)
@@ -63,6 +72,21 @@ static pith_status check_links(const pith_procedural *from, uint32_t index, pith
     return PITH_OK;
 }
 
+/* What the function itself has to say of its options and assets. */
+static pith_status check_options(const pith_procedural *from, uint32_t index, pith_error *err)
+{
+    const pith_node *node = &from->nodes[index];
+    const node_class *class = node_class_of(node->function);
+    if (!class->check) return PITH_OK;
+    void *options = node_options(node);
+    if (node->function->params && !options) return PITH_OUT_OF_MEMORY(err, "options");
+    const node_build build = { node, options, from->seed, from };
+    pith_error why;
+    const pith_status status = class->check(&build, &why);
+    pith_free(options);
+    return status == PITH_OK ? PITH_OK : node_fail(from, index, err, "%s", why.message);
+}
+
 static pith_status check_node(const pith_procedural *from, uint32_t index, pith_error *err)
 {
     const pith_node *node = &from->nodes[index];
@@ -82,7 +106,8 @@ static pith_status check_node(const pith_procedural *from, uint32_t index, pith_
         if (!taken && assets[k].there)
             return node_fail(from, index, err, "%s: is given, but \"%s\" takes none", assets[k].name, function->name);
     }
-    return check_links(from, index, err);
+    PITH_TRY(check_links(from, index, err));
+    return check_options(from, index, err);
 }
 
 /* ---- order ---------------------------------------------------------------------------------------------------------- */

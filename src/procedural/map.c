@@ -17,8 +17,9 @@ static const pith_input map_inputs[] = {
     { .name = NULL },
 };
 
-static pith_status check_stops(const pith_node *node, pith_error *err)
+static pith_status check_stops(const node_build *build, pith_error *err)
 {
+    const pith_node *node = build->node;
     if (node->stop_count == 0) return pith_fail(err, PITH_BAD_ARGUMENT, "stops: there are none, expected one or more");
     for (size_t k = 0; k < node->stop_count; ++k) {
         const pith_stop *stop = &node->stops[k];
@@ -46,7 +47,6 @@ static void colour_at(const pith_node *node, bool smooth, double at, float colou
 static pith_status prepare_map(const node_build *build, void **state, pith_error *err)
 {
     const pith_node *node = build->node;
-    PITH_TRY(check_stops(node, err));
     map_state *made = pith_alloc(1, sizeof *made);
     if (!made) return PITH_OUT_OF_MEMORY(err, "a colour map");
     const double low = node->stops[0].at, span = node->stops[node->stop_count - 1].at - low;
@@ -73,6 +73,7 @@ static void run_map(const void *state, const lanes *const *inputs, uint32_t inpu
 const node_class node_map = {
     .shown = { "map", "The colour that belongs to a number.", PITH_VALUE_COLOUR, map_inputs, &map_params,
                PITH_ASSET_STOPS },
+    .check = check_stops,
     .prepare = prepare_map,
     .run = run_map,
 };

@@ -21,6 +21,8 @@ typedef struct node_build {
 
 typedef struct node_class {
     pith_function shown;
+    /* Refuses options and assets that contradict themselves, as far as that can be told without work; NULL: cannot be. */
+    pith_status (*check)(const node_build *build, pith_error *err);
     /* Makes what the node needs at every block: tables, copies of assets. NULL: it needs its options alone, and state is
        a copy of them. Refusals speak of the node's options and assets by their names. */
     pith_status (*prepare)(const node_build *build, void **state, pith_error *err);

@@ -83,23 +83,30 @@ static void run_affine(const void *state, const lanes *const *inputs, uint32_t i
     for (int i = 0; i < LANES; ++i) out->v[3][i] = map->stretch * at->v[3][i];
 }
 
-static pith_status prepare_transform(const node_build *build, void **state, pith_error *err)
+/* Singular for all that floats can tell. */
+static pith_status check_transform(const node_build *build, pith_error *err)
 {
     double m[3][4];
     memcpy(m, build->node->matrix, sizeof m);
     for (int i = 0; i < 12; ++i)
         if (!isfinite(m[i / 4][i % 4])) return pith_fail(err, PITH_BAD_ARGUMENT, "matrix: entries must be finite numbers");
     const double stretch = largest_stretch(m);
-    /* Singular for all that floats can tell. */
-    if (!(fabs(determinant(m)) > 1e-7 * stretch * stretch * stretch))
-        return pith_fail(err, PITH_BAD_ARGUMENT, "matrix: is singular (its determinant is %.3g): it would flatten the "
-                         "texture; its three rows must not lie in one plane", determinant(m));
+    if (fabs(determinant(m)) > 1e-7 * stretch * stretch * stretch) return PITH_OK;
+    return pith_fail(err, PITH_BAD_ARGUMENT, "matrix: is singular (its determinant is %.3g): it would flatten the "
+                     "texture; its three rows must not lie in one plane", determinant(m));
+}
+
+static pith_status prepare_transform(const node_build *build, void **state, pith_error *err)
+{
+    double m[3][4];
+    memcpy(m, build->node->matrix, sizeof m);
     return make_affine(m, state, err);
 }
 
 const node_class node_transform = {
     .shown = { "transform", "The point by a matrix: where a texture is looked up instead.", PITH_VALUE_POINT, at_input,
                NULL, PITH_ASSET_MATRIX },
+    .check = check_transform,
     .prepare = prepare_transform,
     .run = run_affine,
 };

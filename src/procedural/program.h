@@ -27,7 +27,7 @@ typedef struct program {
     uint32_t colour, opacity, displacement; /* registers; PITH_NONE */
     const pith_tets *tets;
     const pith_locator *locator;
-    const pith_vec3 *direction;
+    pith_vec3 *direction;       /* owned; NULL: no step asks */
 } program;
 
 /* The graph in the order in which it is worked out (graph.c). */
@@ -44,6 +44,8 @@ bool plan_in_colours(const pith_procedural *from, const plan *made, uint32_t nod
 /* Fails about a node: by its name or number. */
 pith_status node_fail(const pith_procedural *from, uint32_t node, pith_error *err, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
+/* A copy of the node's options, or the standard ones; NULL: the function has none, or no memory. */
+void *node_options(const pith_node *node);
 size_t input_count_of(const pith_function *function);
 
 void program_sample(const pith_solid *solid, const pith_query *query, float *out);

@@ -280,11 +280,12 @@ static void test_kinds_and_assets_are_refused(void **state)
     join(&g, map, 0, place);
     join(&g, bent, 0, one);
     REFUSED(&g, map, "stops: is missing");
-    pith_stop stops[2] = { { 1, { 0 } }, { 0.5, { 0 } } };
+    pith_stop stops[2] = { { 1, { 0 } }, { 2, { 0 } } };
     g.nodes[map].stops = stops;
     g.nodes[map].stop_count = 2;
     REFUSED(&g, map, "by", "gives a point, expected a number", "component");
     g.links[map][0].node = one;
+    stops[1].at = 0.5;
     REFUSED(&g, map, "stops[1].at: is 0.5", "ascend");
     stops[1].at = NAN;
     REFUSED(&g, map, "stops[1].at", "finite");
