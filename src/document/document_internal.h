@@ -103,6 +103,10 @@ typedef struct document_operation {
 } document_operation;
 extern const document_operation document_operations[]; /* the last has no name */
 
+/* All parameter tables, NULL at the end. */
+enum { MOST_TABLES = 100 };
+extern const pith_params *document_tables[MOST_TABLES];
+
 /* Of functions of procedural solids: their options, inputs and assets; "function" says which (grammar_functions.c). */
 enum { MOST_FUNCTIONS = 63 };
 extern grammar grammar_functions[MOST_FUNCTIONS + 1];

@@ -100,19 +100,18 @@ static const pith_param graph_items[] = {
 };
 const pith_params document_graph_params = { "procedural", graph_items, 1, sizeof(struct graph_options) };
 
-const pith_params *const *pith_document_tables(void)
-{
-    static const pith_params *const tables[] = {
+/* Those of the document and its parts; grammar_functions.c adds those of the functions of procedural solids. */
+const pith_params *document_tables[MOST_TABLES] = {
         &pith_fruit_params, &pith_slab_params, &pith_tets_params, &pith_refine_params, &document_depth_value_params,
         &document_constraint_params, &pith_depth_params, &pith_smoothing_params, &pith_tangent_params, &pith_volume_field_params,
         &document_scale_value_params, &pith_displacement_params, &document_paste_params, &pith_lapped_params,
         &document_grid_params, &document_recipe_params, &document_stop_params, &pith_noise_layer_params,
         &pith_brick_layer_params, &pith_particle_layer_params, &pith_cut_step_params, &pith_cut_stroke_params,
         &document_part_params, &document_lens_params, &pith_render_params, &pith_volume_params,
-        &document_transfer_params, &document_graph_params, &document_map_stop_params, &document_wave_params, NULL,
-    };
-    return tables;
-}
+        &document_transfer_params, &document_graph_params, &document_map_stop_params, &document_wave_params,
+};
+
+const pith_params *const *pith_document_tables(void) { return document_tables; }
 
 /* ---- recipes ---------------------------------------------------------------------------------------------------- */
 

@@ -67,5 +67,10 @@ __attribute__((constructor)) static void tell_functions(void)
 {
     size_t count;
     const pith_function *const *all = pith_functions(&count);
-    for (size_t i = 0; i < count && i < MOST_FUNCTIONS; ++i) tell_function(i, all[i]);
+    size_t tables = 0;
+    while (document_tables[tables]) ++tables;
+    for (size_t i = 0; i < count && i < MOST_FUNCTIONS; ++i) {
+        tell_function(i, all[i]);
+        if (all[i]->params && tables < MOST_TABLES - 1) document_tables[tables++] = all[i]->params;
+    }
 }
