@@ -15,30 +15,30 @@ typedef enum pith_value { PITH_VALUE_NUMBER, PITH_VALUE_COLOUR, PITH_VALUE_POINT
 
 /** An input of a function. */
 typedef struct pith_input {
-    const char *name;           /* as in documents */
+    const char *name; /* as in documents */
     const char *help;
     pith_value takes;
-    bool wanted;                /* must be given; else a point is the position asked for, a number or grey `standard` */
-    bool many;                  /* one or more nodes; only the last input of a function */
-    bool any;                   /* numbers or colours; the function gives colours when one of these inputs does */
+    bool wanted; /* must be given; else a point is the position asked for, a number or grey `standard` */
+    bool many;   /* one or more nodes; only the last input of a function */
+    bool any;    /* numbers or colours; the function gives colours when one of these inputs does */
     double standard;
 } pith_input;
 
 /** What a function needs beside numbers; bits of pith_function.assets. */
 typedef enum pith_asset {
-    PITH_ASSET_IMAGE = 1,       /* a 2D texture */
-    PITH_ASSET_GRID = 2,        /* a 3D table */
-    PITH_ASSET_STOPS = 4,       /* colours along a line */
-    PITH_ASSET_WAVES = 8,       /* sinusoids */
-    PITH_ASSET_MATRIX = 16,     /* a transformation */
-    PITH_ASSET_OPTIONAL = 32,   /* it does without */
+    PITH_ASSET_IMAGE = 1,     /* a 2D texture */
+    PITH_ASSET_GRID = 2,      /* a 3D table */
+    PITH_ASSET_STOPS = 4,     /* colours along a line */
+    PITH_ASSET_WAVES = 8,     /* sinusoids */
+    PITH_ASSET_MATRIX = 16,   /* a transformation */
+    PITH_ASSET_OPTIONAL = 32, /* it does without */
 } pith_asset;
 
 typedef struct pith_function {
     const char *name, *help;
     pith_value gives;
-    const pith_input *inputs;   /* ends with an input without a name */
-    const pith_params *params;  /* of its options; NULL: it has none */
+    const pith_input *inputs;  /* ends with an input without a name */
+    const pith_params *params; /* of its options; NULL: it has none */
     uint32_t assets;
 } pith_function;
 
@@ -50,39 +50,47 @@ const pith_function *pith_function_find(const char *name);
 /* ---- graphs ------------------------------------------------------------------------------------------------------ */
 
 /** A colour at a place of a line; linear RGBA. */
-typedef struct pith_stop { double at; float colour[4]; } pith_stop;
+typedef struct pith_stop {
+    double at;
+    float colour[4];
+} pith_stop;
 
 /** amplitude * sin(2 pi (frequency . p) + phase): frequency in cycles per unit, phase in radians. */
-typedef struct pith_wave { pith_vec3 frequency; double amplitude, phase; } pith_wave;
+typedef struct pith_wave {
+    pith_vec3 frequency;
+    double amplitude, phase;
+} pith_wave;
 
 /** Which of the function's inputs a node is given to. */
-typedef struct pith_link { uint32_t input, node; } pith_link;
+typedef struct pith_link {
+    uint32_t input, node;
+} pith_link;
 
 typedef struct pith_node {
-    const char *name;               /* for messages; NULL: its number */
+    const char *name; /* for messages; NULL: its number */
     const pith_function *function;
-    const void *options;            /* function->params->size bytes; NULL: the standard ones */
-    const pith_link *links;         /* [link_count]; those of an input that takes many in their order */
+    const void *options;    /* function->params->size bytes; NULL: the standard ones */
+    const pith_link *links; /* [link_count]; those of an input that takes many in their order */
     size_t link_count;
-    const pith_image *image;        /* assets, as the function needs them; everything is copied */
+    const pith_image *image; /* assets, as the function needs them; everything is copied */
     const pith_grid *grid;
     const pith_stop *stops;
     size_t stop_count;
     const pith_wave *waves;
     size_t wave_count;
-    double matrix[3][4];            /* rows; maps the point that is asked for to where the input is looked up */
+    double matrix[3][4]; /* rows; maps the point that is asked for to where the input is looked up */
 } pith_node;
 
 typedef struct pith_procedural {
-    const pith_node *nodes;         /* [count], in any order */
+    const pith_node *nodes; /* [count], in any order */
     size_t count;
-    uint32_t colour;                /* the node that gives the answer; a number is an opaque grey */
-    uint32_t opacity;               /* a number that multiplies the colour's opacity; PITH_NONE: none */
-    uint32_t displacement;          /* a number that becomes the channel behind RGBA; PITH_NONE: there is no such */
-    uint64_t seed;                  /* goes into every random choice of every node */
-    const pith_tets *tets;          /* for the function "direction", NULL when no node has it: borrowed, as the locator */
-    const pith_locator *locator;    /* of these tets, for questions that do not know their tet */
-    const pith_vec3 *direction;     /* [vertex_count] unit; copied */
+    uint32_t colour;             /* the node that gives the answer; a number is an opaque grey */
+    uint32_t opacity;            /* a number that multiplies the colour's opacity; PITH_NONE: none */
+    uint32_t displacement;       /* a number that becomes the channel behind RGBA; PITH_NONE: there is no such */
+    uint64_t seed;               /* goes into every random choice of every node */
+    const pith_tets *tets;       /* for the function "direction", NULL when no node has it: borrowed, as the locator */
+    const pith_locator *locator; /* of these tets, for questions that do not know their tet */
+    const pith_vec3 *direction;  /* [vertex_count] unit; copied */
 } pith_procedural;
 
 /** Checks the graph alone: functions, options, links, cycles, and that assets are there (what is in images and grids is

@@ -102,8 +102,8 @@ const pith_params document_graph_params = { "procedural", graph_items, 1, sizeof
 
 /* Those of the document and its parts; grammar_functions.c adds those of the functions of procedural solids. */
 const pith_params *document_tables[MOST_TABLES] = {
-        &pith_fruit_params, &pith_slab_params, &pith_tets_params, &pith_refine_params, &document_depth_value_params,
-        &document_constraint_params, &pith_depth_params, &pith_smoothing_params, &pith_tangent_params, &pith_volume_field_params,
+    &pith_fruit_params, &pith_slab_params, &pith_tets_params, &pith_refine_params, &document_depth_value_params,
+    &document_constraint_params, &pith_depth_params, &pith_smoothing_params, &pith_tangent_params, &pith_volume_field_params,
         &document_scale_value_params, &pith_displacement_params, &document_paste_params, &pith_lapped_params,
         &document_grid_params, &document_recipe_params, &document_stop_params, &pith_noise_layer_params,
         &pith_brick_layer_params, &pith_particle_layer_params, &pith_cut_step_params, &pith_cut_stroke_params,

@@ -6,29 +6,39 @@
 
 static const pith_param stop_items[] = {
     { "at", "1", "the number", PITH_PARAM_DOUBLE, -1e9, 0, 1e9, offsetof(map_stop_value, at), NULL },
-    { "opacity", "1", "0 is seen through … 1 opaque", PITH_PARAM_DOUBLE, 0, 1, 1, offsetof(map_stop_value, opacity), NULL },
+    { "opacity", "1", "0 is seen through … 1 opaque", PITH_PARAM_DOUBLE, 0, 1, 1, offsetof(map_stop_value, opacity),
+      NULL },
 };
 const pith_params document_map_stop_params = { "map stop", stop_items, 2, sizeof(map_stop_value) };
 
 static const pith_param wave_items[] = {
     { "amplitude", "1", "how strong it is", PITH_PARAM_DOUBLE, -1e6, 1, 1e6, offsetof(wave_value, amplitude), NULL },
-    { "phase", "degree", "how far it is moved along itself", PITH_PARAM_DOUBLE, -1e6, 0, 1e6, offsetof(wave_value, phase),
-      NULL },
+    { "phase", "degree", "how far it is moved along itself", PITH_PARAM_DOUBLE, -1e6, 0, 1e6,
+      offsetof(wave_value, phase), NULL },
 };
 const pith_params document_wave_params = { "wave", wave_items, 2, sizeof(wave_value) };
 
 static const grammar map_stop = {
-    "map_stop", "A colour and an opacity for a number; between stops both are blended.",
+    "map_stop",
+    "A colour and an opacity for a number; between stops both are blended.",
     KEYS({ "colour", VALUE_COLOUR, "the colour there", NULL }),
-    &document_map_stop_params, NAMES("at", "colour"), NULL,
+    &document_map_stop_params,
+    NAMES("at", "colour"),
+    NULL,
 };
 static const grammar wave = {
-    "wave", "One sinusoid of a sum.",
+    "wave",
+    "One sinusoid of a sum.",
     KEYS({ "frequency", VALUE_POINT, "cycles per model unit along x, y and z", NULL }),
-    &document_wave_params, NAMES("frequency"), NULL,
+    &document_wave_params,
+    NAMES("frequency"),
+    NULL,
 };
 
-static const struct { pith_asset asset; grammar_key key; } asset_keys[] = {
+static const struct {
+    pith_asset asset;
+    grammar_key key;
+} asset_keys[] = {
     { PITH_ASSET_IMAGE, { "image", VALUE_FILE, "picture (PNG, JPEG)", NULL } },
     { PITH_ASSET_GRID, { "grid", VALUE_FILE, "voxels (NRRD)", NULL } },
     { PITH_ASSET_STOPS, { "stops", VALUE_LIST, "colours by ascending number", &map_stop } },
@@ -50,7 +60,8 @@ static void tell_function(size_t index, const pith_function *function)
     wanted[index][must++] = "name";
     wanted[index][must++] = "function";
     for (const pith_input *input = function->inputs; input->name; ++input) {
-        keys[index][count++] = (grammar_key){ input->name, input->many ? VALUE_INPUTS : VALUE_INPUT, input->help, NULL };
+        keys[index][count++] =
+            (grammar_key){ input->name, input->many ? VALUE_INPUTS : VALUE_INPUT, input->help, NULL };
         if (input->wanted) wanted[index][must++] = input->name;
     }
     for (size_t k = 0; k < ASSETS; ++k) {
@@ -58,8 +69,12 @@ static void tell_function(size_t index, const pith_function *function)
         keys[index][count++] = asset_keys[k].key;
         if (!(function->assets & PITH_ASSET_OPTIONAL)) wanted[index][must++] = asset_keys[k].key.name;
     }
-    *to = (grammar){ .name = function->name, .help = function->help, .keys = keys[index], .key_count = count,
-                     .params = function->params, .required = wanted[index] };
+    *to = (grammar){ .name = function->name,
+                     .help = function->help,
+                     .keys = keys[index],
+                     .key_count = count,
+                     .params = function->params,
+                     .required = wanted[index] };
 }
 
 /* Before anything is read: the tables never change afterwards. */

@@ -8,7 +8,7 @@
 typedef struct graph_maker {
     pith_document *made;
     reader *in;
-    const json_t *list;         /* of nodes, as written */
+    const json_t *list; /* of nodes, as written */
     document_graph *to;
     size_t room;
 } graph_maker;
@@ -22,8 +22,8 @@ static size_t count_room(const json_t *from, const json_t *list)
     for (size_t i = 0; i < json_array_size(list); ++i) {
         const char *name;
         json_t *value;
-        json_object_foreach(json_array_get(list, i), name, value)
-            room += json_is_array(value) ? json_array_size(value) : 1;
+        json_object_foreach(json_array_get(list, i), name, value) room +=
+            json_is_array(value) ? json_array_size(value) : 1;
     }
     return room;
 }
@@ -189,8 +189,11 @@ static pith_status check_graph(graph_maker *own, const document_body *body)
         if (graph->images[i]) graph->nodes[i].image = &there_image;
         if (graph->grids[i]) graph->nodes[i].grid = &there_grid;
     }
-    const pith_procedural whole = { .nodes = graph->nodes, .count = graph->count, .colour = graph->colour,
-                                    .opacity = graph->opacity, .displacement = graph->displacement };
+    const pith_procedural whole = { .nodes = graph->nodes,
+                                    .count = graph->count,
+                                    .colour = graph->colour,
+                                    .opacity = graph->opacity,
+                                    .displacement = graph->displacement };
     pith_error why;
     const pith_status status = pith_procedural_check(&whole, &why);
     for (size_t i = 0; i < graph->count; ++i) {

@@ -7,10 +7,14 @@
 
 typedef enum combine_how { ADD, SUBTRACT, MULTIPLY, MINIMUM, MAXIMUM, MEAN, ADD8 } combine_how;
 static const char *const how_words[] = { "add", "subtract", "multiply", "minimum", "maximum", "mean", "add8", NULL };
-typedef struct combine_options { uint32_t how; } combine_options;
+typedef struct combine_options {
+    uint32_t how;
+} combine_options;
 static const pith_param combine_items[] = {
-    { "how", "1", "what is made of the operands; add8: eight-bit addition with wraparound, of colours as an 8-bit "
-      "picture stores them", PITH_PARAM_CHOICE, 0, 0, 6, offsetof(combine_options, how), how_words },
+    { "how", "1",
+      "what is made of the operands; add8: eight-bit addition with wraparound, of colours as an 8-bit "
+      "picture stores them",
+      PITH_PARAM_CHOICE, 0, 0, 6, offsetof(combine_options, how), how_words },
 };
 static const pith_params combine_params = { "combine", combine_items, 1, sizeof(combine_options) };
 static const pith_input combine_inputs[] = {
@@ -40,7 +44,8 @@ static void run_numbers(const void *state, const lanes *const *inputs, uint32_t 
     if (how == ADD8)
         for (int i = 0; i < LANES; ++i) out->v[0][i] = byte_of(out->v[0][i]);
     for (uint32_t k = 1; k < input_count; ++k) {
-        if (how != ADD8) combine_channel(how, inputs[k]->v[0], out->v[0]);
+        if (how != ADD8)
+            combine_channel(how, inputs[k]->v[0], out->v[0]);
         else
             for (int i = 0; i < LANES; ++i) {
                 const float sum = out->v[0][i] + byte_of(inputs[k]->v[0][i]);
@@ -52,8 +57,13 @@ static void run_numbers(const void *state, const lanes *const *inputs, uint32_t 
 }
 
 /* Linear values of the 256 stored ones, and of the places half way to the next. */
-typedef struct bytes { float linear[256], border[255]; } bytes;
-typedef struct combine_state { combine_options options; bytes stored; } combine_state;
+typedef struct bytes {
+    float linear[256], border[255];
+} bytes;
+typedef struct combine_state {
+    combine_options options;
+    bytes stored;
+} combine_state;
 
 static pith_status prepare_combine(const node_build *build, void **state, pith_error *err)
 {
@@ -86,8 +96,10 @@ static void add8_colours(const bytes *stored, const lanes *const *inputs, uint32
             out->v[c][i] = stored->linear[sum & 255u];
         }
     for (uint32_t k = 0; k < input_count; ++k)
-        if (k == 0) memcpy(out->v[3], inputs[0]->v[3], sizeof out->v[3]);
-        else combine_channel(MULTIPLY, inputs[k]->v[3], out->v[3]);
+        if (k == 0)
+            memcpy(out->v[3], inputs[0]->v[3], sizeof out->v[3]);
+        else
+            combine_channel(MULTIPLY, inputs[k]->v[3], out->v[3]);
 }
 
 static void run_colours(const void *state, const lanes *const *inputs, uint32_t input_count, uint32_t count, lanes *out)
@@ -110,7 +122,8 @@ static void run_colours(const void *state, const lanes *const *inputs, uint32_t 
 }
 
 const node_class node_combine = {
-    .shown = { "combine", "Any number of operands made into one.", PITH_VALUE_NUMBER, combine_inputs, &combine_params, 0 },
+    .shown = { "combine", "Any number of operands made into one.", PITH_VALUE_NUMBER, combine_inputs, &combine_params,
+               0 },
     .prepare = prepare_combine,
     .run = run_numbers,
     .run_colours = run_colours,
@@ -156,13 +169,20 @@ const node_class node_mix = {
 
 typedef enum curve_shape { LINE, SMOOTH, STEP, SINE, TRIANGLE, ABSOLUTE } curve_shape;
 static const char *const shape_words[] = { "line", "smooth", "step", "sine", "triangle", "absolute", NULL };
-typedef struct curve_options { uint32_t shape; double low, high, power, from, to; bool hold; } curve_options;
+typedef struct curve_options {
+    uint32_t shape;
+    double low, high, power, from, to;
+    bool hold;
+} curve_options;
 static const pith_param curve_items[] = {
-    { "shape", "1", "how it goes from 0 to 1 while the number goes from `low` to `high`; absolute: the distance from "
-      "the middle between them", PITH_PARAM_CHOICE, 0, 0, 5, offsetof(curve_options, shape), shape_words },
+    { "shape", "1",
+      "how it goes from 0 to 1 while the number goes from `low` to `high`; absolute: the distance from "
+      "the middle between them",
+      PITH_PARAM_CHOICE, 0, 0, 5, offsetof(curve_options, shape), shape_words },
     { "low", "1", "the number at which the curve begins", PITH_PARAM_DOUBLE, -1e9, 0, 1e9, offsetof(curve_options, low),
       NULL },
-    { "high", "1", "the number at which it ends", PITH_PARAM_DOUBLE, -1e9, 1, 1e9, offsetof(curve_options, high), NULL },
+    { "high", "1", "the number at which it ends", PITH_PARAM_DOUBLE, -1e9, 1, 1e9, offsetof(curve_options, high),
+      NULL },
     { "power", "1", "above 1 keeps it low for longer, below 1 high", PITH_PARAM_DOUBLE, 0.01, 1, 100,
       offsetof(curve_options, power), NULL },
     { "from", "1", "what it gives at 0", PITH_PARAM_DOUBLE, -1e9, 0, 1e9, offsetof(curve_options, from), NULL },
@@ -188,12 +208,18 @@ static pith_status check_curve(const node_build *build, pith_error *err)
 static float bend(curve_shape shape, float t)
 {
     switch (shape) {
-    case LINE: return t;
-    case SMOOTH: return t * t * (3.0f - 2.0f * t);
-    case STEP: return t < 0.5f ? 0.0f : 1.0f;
-    case SINE: return 0.5f - 0.5f * cosf(6.28318531f * (t - floorf(t)));
-    case TRIANGLE: return 1.0f - fabsf(2.0f * (t - floorf(t)) - 1.0f);
-    case ABSOLUTE: return fabsf(2.0f * t - 1.0f);
+    case LINE:
+        return t;
+    case SMOOTH:
+        return t * t * (3.0f - 2.0f * t);
+    case STEP:
+        return t < 0.5f ? 0.0f : 1.0f;
+    case SINE:
+        return 0.5f - 0.5f * cosf(6.28318531f * (t - floorf(t)));
+    case TRIANGLE:
+        return 1.0f - fabsf(2.0f * (t - floorf(t)) - 1.0f);
+    case ABSOLUTE:
+        return fabsf(2.0f * t - 1.0f);
     }
     return t;
 }

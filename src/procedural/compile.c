@@ -9,8 +9,8 @@ typedef struct compiler {
     const pith_procedural *from;
     plan plan;
     program *made;
-    uint32_t *value_of, *grey_of;   /* [nodes] PITH_NONE: none yet */
-    uint32_t position;              /* the value of the point that is asked for; PITH_NONE: none yet */
+    uint32_t *value_of, *grey_of; /* [nodes] PITH_NONE: none yet */
+    uint32_t position;            /* the value of the point that is asked for; PITH_NONE: none yet */
     uint32_t value_count, input_count;
     size_t step_capacity, input_capacity;
 } compiler;
@@ -32,8 +32,10 @@ static pith_status add_step(compiler *own, step added, uint32_t first_input, uin
     added.input_count = own->input_count - first_input;
     added.out = own->value_count;
     if (!pith_grow((void **)&made->steps, &own->step_capacity, made->step_count + 1u, sizeof *made->steps)) {
-        if (added.class && added.class->release) added.class->release(added.state);
-        else pith_free(added.state);
+        if (added.class && added.class->release)
+            added.class->release(added.state);
+        else
+            pith_free(added.state);
         return PITH_OUT_OF_MEMORY(err, "a graph");
     }
     made->steps[made->step_count++] = added;
@@ -166,7 +168,8 @@ static pith_status allot(compiler *own, pith_error *err)
     pith_status status = last && place ? PITH_OK : PITH_OUT_OF_MEMORY(err, "registers");
     for (uint32_t s = 0; status == PITH_OK && s < made->step_count; ++s) {
         last[made->steps[s].out] = s;
-        for (uint32_t k = 0; k < made->steps[s].input_count; ++k) last[made->inputs[made->steps[s].first_input + k]] = s;
+        for (uint32_t k = 0; k < made->steps[s].input_count; ++k)
+            last[made->inputs[made->steps[s].first_input + k]] = s;
     }
     uint32_t *const outputs[3] = { &made->colour, &made->opacity, &made->displacement };
     for (int k = 0; status == PITH_OK && k < 3; ++k)
@@ -176,8 +179,10 @@ static pith_status allot(compiler *own, pith_error *err)
         uint32_t *inputs = made->inputs + at->first_input, free = 0;
         while (free < MOST_REGISTERS && taken[free]) ++free;
         if (free == MOST_REGISTERS) {
-            status = pith_fail(err, PITH_BAD_ARGUMENT, "the graph needs more than %d values at once; make it simpler, or "
-                               "of several solids", MOST_REGISTERS);
+            status = pith_fail(err, PITH_BAD_ARGUMENT,
+                               "the graph needs more than %d values at once; make it simpler, or "
+                               "of several solids",
+                               MOST_REGISTERS);
             break;
         }
         taken[free] = true;
@@ -205,8 +210,10 @@ static void program_destroy(pith_solid *solid)
     pith_free(gone->direction);
     for (uint32_t s = 0; s < gone->step_count; ++s) {
         const step *at = &gone->steps[s];
-        if (at->class && at->class->release && at->state) at->class->release(at->state);
-        else pith_free(at->state);
+        if (at->class && at->class->release && at->state)
+            at->class->release(at->state);
+        else
+            pith_free(at->state);
     }
     pith_free(gone->steps);
     pith_free(gone->inputs);
@@ -244,11 +251,16 @@ pith_status pith_solid_procedural(const pith_procedural *from, pith_solid **soli
     pith_status status = made && own.value_of && own.grey_of ? PITH_OK : PITH_OUT_OF_MEMORY(err, "a procedural solid");
     if (status == PITH_OK) {
         *made = (program){ .base = { &procedural_class, from->displacement == PITH_NONE ? 4u : 5u },
-                           .colour = PITH_NONE, .opacity = PITH_NONE, .displacement = PITH_NONE,
-                           .tets = from->tets, .locator = from->locator };
+                           .colour = PITH_NONE,
+                           .opacity = PITH_NONE,
+                           .displacement = PITH_NONE,
+                           .tets = from->tets,
+                           .locator = from->locator };
         status = compile(&own, err);
-        if (status == PITH_OK) *solid = &made->base;
-        else program_destroy(&made->base);
+        if (status == PITH_OK)
+            *solid = &made->base;
+        else
+            program_destroy(&made->base);
     } else {
         pith_free(made);
     }

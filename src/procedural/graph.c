@@ -40,8 +40,10 @@ void *node_options(const pith_node *node)
 {
     const pith_params *params = node->function->params;
     void *options = params ? pith_alloc(1, params->size) : NULL;
-    if (options && node->options) memcpy(options, node->options, params->size);
-    else if (options) pith_params_defaults(params, options);
+    if (options && node->options)
+        memcpy(options, node->options, params->size);
+    else if (options)
+        pith_params_defaults(params, options);
     return options;
 }
 
@@ -95,9 +97,15 @@ static pith_status check_node(const pith_procedural *from, uint32_t index, pith_
     pith_error why;
     if (node->options && function->params && pith_params_check(function->params, node->options, &why) != PITH_OK)
         return node_fail(from, index, err, "%s", why.message);
-    const struct { pith_asset asset; bool there; const char *name; } assets[] = {
-        { PITH_ASSET_IMAGE, node->image != NULL, "image" }, { PITH_ASSET_GRID, node->grid != NULL, "grid" },
-        { PITH_ASSET_STOPS, node->stop_count > 0, "stops" }, { PITH_ASSET_WAVES, node->wave_count > 0, "waves" },
+    const struct {
+        pith_asset asset;
+        bool there;
+        const char *name;
+    } assets[] = {
+        { PITH_ASSET_IMAGE, node->image != NULL, "image" },
+        { PITH_ASSET_GRID, node->grid != NULL, "grid" },
+        { PITH_ASSET_STOPS, node->stop_count > 0, "stops" },
+        { PITH_ASSET_WAVES, node->wave_count > 0, "waves" },
     };
     for (size_t k = 0; k < sizeof assets / sizeof *assets; ++k) {
         const bool taken = function->assets & assets[k].asset;
@@ -118,8 +126,8 @@ typedef struct walk {
     const pith_procedural *from;
     plan *made;
     uint8_t *marks;
-    uint32_t *path;         /* nodes that wait for the one at the end */
-    uint32_t *next;         /* link of each that is looked at next */
+    uint32_t *path; /* nodes that wait for the one at the end */
+    uint32_t *next; /* link of each that is looked at next */
     uint32_t depth;
 } walk;
 
@@ -228,7 +236,8 @@ static pith_status check_roots(const pith_procedural *from, pith_error *err)
     if (!from || !from->nodes || from->count == 0)
         return pith_fail(err, PITH_BAD_ARGUMENT, "there are no nodes, expected one or more");
     if (from->count > MOST_NODES)
-        return pith_fail(err, PITH_BAD_ARGUMENT, "there are %zu nodes, at most %d are allowed", from->count, MOST_NODES);
+        return pith_fail(err, PITH_BAD_ARGUMENT, "there are %zu nodes, at most %d are allowed", from->count,
+                         MOST_NODES);
     if (from->colour >= from->count || (from->opacity >= from->count && from->opacity != PITH_NONE) ||
         (from->displacement >= from->count && from->displacement != PITH_NONE))
         return pith_fail(err, PITH_BAD_ARGUMENT, "colour, opacity or displacement names no node");

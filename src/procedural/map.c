@@ -4,12 +4,16 @@
 /* Colours of so many numbers are worked out beforehand; between them they are mixed. */
 enum { ENTRIES = 1024 };
 
-typedef struct map_state { float low, scale, entries[ENTRIES + 1][4]; } map_state;
+typedef struct map_state {
+    float low, scale, entries[ENTRIES + 1][4];
+} map_state;
 
-typedef struct map_options { bool smooth; } map_options;
+typedef struct map_options {
+    bool smooth;
+} map_options;
 static const pith_param map_items[] = {
-    { "smooth", "1", "colours go over into one another; else each stays until the next begins", PITH_PARAM_BOOL, 0, 1, 1,
-      offsetof(map_options, smooth), NULL },
+    { "smooth", "1", "colours go over into one another; else each stays until the next begins", PITH_PARAM_BOOL, 0, 1,
+      1, offsetof(map_options, smooth), NULL },
 };
 static const pith_params map_params = { "map", map_items, 1, sizeof(map_options) };
 static const pith_input map_inputs[] = {
@@ -25,8 +29,10 @@ static pith_status check_stops(const node_build *build, pith_error *err)
         const pith_stop *stop = &node->stops[k];
         if (!isfinite(stop->at)) return pith_fail(err, PITH_BAD_ARGUMENT, "stops[%zu].at: is not a finite number", k);
         if (k > 0 && stop->at < stop[-1].at)
-            return pith_fail(err, PITH_BAD_ARGUMENT, "stops[%zu].at: is %g, below that of the one before (%g); stops "
-                             "ascend", k, stop->at, stop[-1].at);
+            return pith_fail(err, PITH_BAD_ARGUMENT,
+                             "stops[%zu].at: is %g, below that of the one before (%g); stops "
+                             "ascend",
+                             k, stop->at, stop[-1].at);
         for (int c = 0; c < 4; ++c)
             if (!isfinite(stop->colour[c]))
                 return pith_fail(err, PITH_BAD_ARGUMENT, "stops[%zu].colour: is not of finite numbers", k);

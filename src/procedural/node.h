@@ -9,13 +9,15 @@ enum { LANES = 128 };
 
 /* What a node gives for a block of points. A number: v[0]. A colour: v[0..3], linear RGBA. A point: v[0..2], and its
    footprint in v[3]. */
-typedef struct lanes { _Alignas(32) float v[4][LANES]; } lanes;
+typedef struct lanes {
+    _Alignas(32) float v[4][LANES];
+} lanes;
 
 /* What a node is prepared from. */
 typedef struct node_build {
     const pith_node *node;
-    const void *options;        /* checked; never NULL where the function has options */
-    uint64_t seed;              /* of the solid; a function with a `seed` option mixes both (node_seed) */
+    const void *options; /* checked; never NULL where the function has options */
+    uint64_t seed;       /* of the solid; a function with a `seed` option mixes both (node_seed) */
     const pith_procedural *whole;
 } node_build;
 
@@ -32,7 +34,8 @@ typedef struct node_class {
     void (*run)(const void *state, const lanes *const *inputs, uint32_t input_count, uint32_t count, lanes *out);
     void (*release)(void *state); /* NULL: pith_free */
     /* The same for a node whose `any` inputs are colours, all of them then. */
-    void (*run_colours)(const void *state, const lanes *const *inputs, uint32_t input_count, uint32_t count, lanes *out);
+    void (*run_colours)(const void *state, const lanes *const *inputs, uint32_t input_count, uint32_t count,
+                        lanes *out);
 } node_class;
 
 /* The class of a function from pith_functions. */
@@ -47,11 +50,11 @@ static inline uint64_t node_seed(const node_build *build, uint64_t own)
 
 /* What is asked for: the engine fills these, they have no `run`. */
 extern const node_class node_position, node_normal, node_view, node_light, node_direction;
-extern const node_class node_place, node_transform, node_warp, node_repeat, node_point;         /* points */
-extern const node_class node_number, node_colour, node_component, node_dot, node_luminance;     /* values */
-extern const node_class node_combine, node_mix, node_curve, node_map;                           /* combinations */
+extern const node_class node_place, node_transform, node_warp, node_repeat, node_point;     /* points */
+extern const node_class node_number, node_colour, node_component, node_dot, node_luminance; /* values */
+extern const node_class node_combine, node_mix, node_curve, node_map;                       /* combinations */
 extern const node_class node_noise, node_slope, node_fractal, node_turbulence, node_cellular, node_phasor; /* lattice */
-extern const node_class node_rings, node_checks, node_bombs, node_waves, node_veins;            /* patterns */
-extern const node_class node_table, node_project;                                               /* tables */
+extern const node_class node_rings, node_checks, node_bombs, node_waves, node_veins; /* patterns */
+extern const node_class node_table, node_project;                                    /* tables */
 
 #endif

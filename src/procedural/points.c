@@ -6,14 +6,16 @@
 static const pith_input nothing[] = { { .name = NULL } };
 
 const node_class node_position = {
-    .shown = { "position", "The point that is asked for, in material coordinates.", PITH_VALUE_POINT, nothing, NULL, 0 },
+    .shown = { "position", "The point that is asked for, in material coordinates.", PITH_VALUE_POINT, nothing, NULL,
+               0 },
 };
 const node_class node_normal = {
     .shown = { "normal", "The surface's unit normal where a surface is asked for; 0 where none is.", PITH_VALUE_POINT,
                nothing, NULL, 0 },
 };
 const node_class node_view = {
-    .shown = { "view", "The unit vector towards the eye in pictures; 0 elsewhere.", PITH_VALUE_POINT, nothing, NULL, 0 },
+    .shown = { "view", "The unit vector towards the eye in pictures; 0 elsewhere.", PITH_VALUE_POINT, nothing, NULL,
+               0 },
 };
 const node_class node_light = {
     .shown = { "light", "The unit vector towards the light in pictures; 0 elsewhere.", PITH_VALUE_POINT, nothing, NULL,
@@ -31,7 +33,9 @@ static const pith_input at_input[] = {
     { .name = NULL },
 };
 
-typedef struct affine { float rows[3][4], stretch; } affine;
+typedef struct affine {
+    float rows[3][4], stretch;
+} affine;
 
 /* The largest factor by which the map makes anything longer: the root of the largest eigenvalue of A^T A, by the closed
    form for symmetric matrices of three rows. */
@@ -48,9 +52,9 @@ static double largest_stretch(double m[3][4])
     const double b[3][3] = { { d[0] / p, s[0][1] / p, s[0][2] / p },
                              { s[0][1] / p, d[1] / p, s[1][2] / p },
                              { s[0][2] / p, s[1][2] / p, d[2] / p } };
-    const double r = 0.5 * (b[0][0] * (b[1][1] * b[2][2] - b[1][2] * b[2][1]) -
-                            b[0][1] * (b[1][0] * b[2][2] - b[1][2] * b[2][0]) +
-                            b[0][2] * (b[1][0] * b[2][1] - b[1][1] * b[2][0]));
+    const double r =
+        0.5 * (b[0][0] * (b[1][1] * b[2][2] - b[1][2] * b[2][1]) - b[0][1] * (b[1][0] * b[2][2] - b[1][2] * b[2][0]) +
+               b[0][2] * (b[1][0] * b[2][1] - b[1][1] * b[2][0]));
     return sqrt(fmax(q + 2.0 * p * cos(acos(fmin(fmax(r, -1.0), 1.0)) / 3.0), 0.0));
 }
 
@@ -89,11 +93,14 @@ static pith_status check_transform(const node_build *build, pith_error *err)
     double m[3][4];
     memcpy(m, build->node->matrix, sizeof m);
     for (int i = 0; i < 12; ++i)
-        if (!isfinite(m[i / 4][i % 4])) return pith_fail(err, PITH_BAD_ARGUMENT, "matrix: entries must be finite numbers");
+        if (!isfinite(m[i / 4][i % 4]))
+            return pith_fail(err, PITH_BAD_ARGUMENT, "matrix: entries must be finite numbers");
     const double stretch = largest_stretch(m);
     if (fabs(determinant(m)) > 1e-7 * stretch * stretch * stretch) return PITH_OK;
-    return pith_fail(err, PITH_BAD_ARGUMENT, "matrix: is singular (its determinant is %.3g): it would flatten the "
-                     "texture; its three rows must not lie in one plane", determinant(m));
+    return pith_fail(err, PITH_BAD_ARGUMENT,
+                     "matrix: is singular (its determinant is %.3g): it would flatten the "
+                     "texture; its three rows must not lie in one plane",
+                     determinant(m));
 }
 
 static pith_status prepare_transform(const node_build *build, void **state, pith_error *err)
@@ -113,20 +120,28 @@ const node_class node_transform = {
 
 /* ---- place --------------------------------------------------------------------------------------------------------- */
 
-typedef struct place_options { double move[3], turn[3], scale[3]; } place_options;
+typedef struct place_options {
+    double move[3], turn[3], scale[3];
+} place_options;
 
 #define MOVE(axis, i)                                                                                                  \
-    { "move_" axis, "model unit", "moves the texture along " axis, PITH_PARAM_DOUBLE, -1e6, 0, 1e6,                    \
-      offsetof(place_options, move[i]), NULL }
+    {                                                                                                                  \
+        "move_" axis, "model unit", "moves the texture along " axis, PITH_PARAM_DOUBLE, -1e6, 0, 1e6,                  \
+            offsetof(place_options, move[i]), NULL                                                                     \
+    }
 #define TURN(axis, i)                                                                                                  \
-    { "turn_" axis, "degree", "turns the texture about " axis "; x first, z last", PITH_PARAM_DOUBLE, -3600, 0, 3600,  \
-      offsetof(place_options, turn[i]), NULL }
+    {                                                                                                                  \
+        "turn_" axis, "degree", "turns the texture about " axis "; x first, z last", PITH_PARAM_DOUBLE, -3600, 0,      \
+            3600, offsetof(place_options, turn[i]), NULL                                                               \
+    }
 #define SCALE(axis, i)                                                                                                 \
-    { "scale_" axis, "1", "makes the texture so many times larger along " axis ", before it is turned",                \
-      PITH_PARAM_DOUBLE, 1e-6, 1, 1e6, offsetof(place_options, scale[i]), NULL }
+    {                                                                                                                  \
+        "scale_" axis, "1", "makes the texture so many times larger along " axis ", before it is turned",              \
+            PITH_PARAM_DOUBLE, 1e-6, 1, 1e6, offsetof(place_options, scale[i]), NULL                                   \
+    }
 static const pith_param place_items[] = {
-    MOVE("x", 0), MOVE("y", 1), MOVE("z", 2), TURN("x", 0), TURN("y", 1), TURN("z", 2),
-    SCALE("x", 0), SCALE("y", 1), SCALE("z", 2),
+    MOVE("x", 0), MOVE("y", 1),  MOVE("z", 2),  TURN("x", 0),  TURN("y", 1),
+    TURN("z", 2), SCALE("x", 0), SCALE("y", 1), SCALE("z", 2),
 };
 static const pith_params place_params = { "place", place_items, sizeof place_items / sizeof *place_items,
                                           sizeof(place_options) };
@@ -165,7 +180,9 @@ const node_class node_place = {
 
 /* ---- warp ----------------------------------------------------------------------------------------------------------- */
 
-typedef struct warp_options { double amount; } warp_options;
+typedef struct warp_options {
+    double amount;
+} warp_options;
 static const pith_param warp_items[] = {
     { "amount", "1", "how far the point goes along `by`; more stirs the texture more", PITH_PARAM_DOUBLE, -1e6, 1, 1e6,
       offsetof(warp_options, amount), NULL },
@@ -187,18 +204,26 @@ static void run_warp(const void *state, const lanes *const *inputs, uint32_t inp
 }
 
 const node_class node_warp = {
-    .shown = { "warp", "The point moved along a vector: domain warping.", PITH_VALUE_POINT, warp_inputs, &warp_params, 0 },
+    .shown = { "warp", "The point moved along a vector: domain warping.", PITH_VALUE_POINT, warp_inputs, &warp_params,
+               0 },
     .run = run_warp,
 };
 
 /* ---- repeat ----------------------------------------------------------------------------------------------------------- */
 
-typedef struct repeat_options { double size[3]; bool mirror; } repeat_options;
+typedef struct repeat_options {
+    double size[3];
+    bool mirror;
+} repeat_options;
 #define SIZE(axis, i)                                                                                                  \
-    { "size_" axis, "model unit", "repeats after this along " axis "; 0: never", PITH_PARAM_DOUBLE, 0, 1, 1e6,         \
-      offsetof(repeat_options, size[i]), NULL }
+    {                                                                                                                  \
+        "size_" axis, "model unit", "repeats after this along " axis "; 0: never", PITH_PARAM_DOUBLE, 0, 1, 1e6,       \
+            offsetof(repeat_options, size[i]), NULL                                                                    \
+    }
 static const pith_param repeat_items[] = {
-    SIZE("x", 0), SIZE("y", 1), SIZE("z", 2),
+    SIZE("x", 0),
+    SIZE("y", 1),
+    SIZE("z", 2),
     { "mirror", "1", "every second copy is mirrored, so that no seam shows", PITH_PARAM_BOOL, 0, 0, 1,
       offsetof(repeat_options, mirror), NULL },
 };

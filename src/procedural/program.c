@@ -47,11 +47,16 @@ static void ask_direction(const program *own, const pith_query *query, size_t co
 
 static void ask(const program *own, const node_class *what, const pith_query *query, size_t count, lanes *out)
 {
-    if (what == &node_position) ask_vectors(query->points, query->footprints, count, out);
-    else if (what == &node_normal) ask_vectors(query->normals, NULL, count, out);
-    else if (what == &node_view) ask_vectors(query->views, NULL, count, out);
-    else if (what == &node_light) ask_vectors(query->lights, NULL, count, out);
-    else ask_direction(own, query, count, out);
+    if (what == &node_position)
+        ask_vectors(query->points, query->footprints, count, out);
+    else if (what == &node_normal)
+        ask_vectors(query->normals, NULL, count, out);
+    else if (what == &node_view)
+        ask_vectors(query->views, NULL, count, out);
+    else if (what == &node_light)
+        ask_vectors(query->lights, NULL, count, out);
+    else
+        ask_direction(own, query, count, out);
 }
 
 static void run_steps(const program *own, const pith_query *query, size_t count, lanes *registers)
@@ -62,9 +67,15 @@ static void run_steps(const program *own, const pith_query *query, size_t count,
         lanes *out = &registers[at->out];
         for (uint32_t k = 0; k < at->input_count; ++k) inputs[k] = &registers[own->inputs[at->first_input + k]];
         switch (at->kind) {
-        case STEP_ASK: ask(own, at->class, query, count, out); break;
-        case STEP_RUN: at->class->run(at->state, inputs, at->input_count, (uint32_t)count, out); break;
-        case STEP_COLOURS: at->class->run_colours(at->state, inputs, at->input_count, (uint32_t)count, out); break;
+        case STEP_ASK:
+            ask(own, at->class, query, count, out);
+            break;
+        case STEP_RUN:
+            at->class->run(at->state, inputs, at->input_count, (uint32_t)count, out);
+            break;
+        case STEP_COLOURS:
+            at->class->run_colours(at->state, inputs, at->input_count, (uint32_t)count, out);
+            break;
         case STEP_GREY:
             for (int c = 0; c < 3; ++c) memcpy(out->v[c], inputs[0]->v[0], sizeof out->v[c]);
             for (int i = 0; i < LANES; ++i) out->v[3][i] = 1.0f;

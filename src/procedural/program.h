@@ -11,10 +11,10 @@ enum { MOST_REGISTERS = 128, MOST_NODES = 4096, MOST_LINKS = 1024 };
 typedef enum step_kind { STEP_RUN, STEP_COLOURS, STEP_GREY, STEP_ASK } step_kind;
 
 typedef struct step {
-    const node_class *class;    /* STEP_ASK: which tells what is asked for; STEP_GREY: NULL */
-    void *state;                /* owned */
+    const node_class *class; /* STEP_ASK: which tells what is asked for; STEP_GREY: NULL */
+    void *state;             /* owned */
     step_kind kind;
-    uint32_t out;               /* register */
+    uint32_t out;                      /* register */
     uint32_t first_input, input_count; /* in program.inputs */
 } step;
 
@@ -22,19 +22,19 @@ typedef struct program {
     pith_solid base;
     step *steps;
     uint32_t step_count;
-    uint32_t *inputs;           /* registers */
+    uint32_t *inputs; /* registers */
     uint32_t register_count;
     uint32_t colour, opacity, displacement; /* registers; PITH_NONE */
     const pith_tets *tets;
     const pith_locator *locator;
-    pith_vec3 *direction;       /* owned; NULL: no step asks */
+    pith_vec3 *direction; /* owned; NULL: no step asks */
 } program;
 
 /* The graph in the order in which it is worked out (graph.c). */
 typedef struct plan {
-    uint32_t *order;            /* [count] nodes that are needed, each behind its inputs */
+    uint32_t *order; /* [count] nodes that are needed, each behind its inputs */
     uint32_t count;
-    pith_value *gives;          /* [nodes] */
+    pith_value *gives; /* [nodes] */
 } plan;
 /* Checks every node and every link, and orders them. Frees nothing of the graph; plan_clear what it gives. */
 pith_status plan_make(const pith_procedural *from, plan *made, pith_error *err);

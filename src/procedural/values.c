@@ -7,7 +7,9 @@ static const pith_input nothing[] = { { .name = NULL } };
 
 /* ---- constants ----------------------------------------------------------------------------------------------------- */
 
-typedef struct number_options { double value; } number_options;
+typedef struct number_options {
+    double value;
+} number_options;
 static const pith_param number_items[] = {
     { "value", "1", "the number", PITH_PARAM_DOUBLE, -1e9, 0, 1e9, offsetof(number_options, value), NULL },
 };
@@ -25,11 +27,18 @@ const node_class node_number = {
     .run = run_number,
 };
 
-typedef struct colour_options { double part[4]; } colour_options;
+typedef struct colour_options {
+    double part[4];
+} colour_options;
 #define PART(name, i, standard)                                                                                        \
-    { name, "1", "linear " name, PITH_PARAM_DOUBLE, 0, standard, 1e6, offsetof(colour_options, part[i]), NULL }
+    {                                                                                                                  \
+        name, "1", "linear " name, PITH_PARAM_DOUBLE, 0, standard, 1e6, offsetof(colour_options, part[i]), NULL        \
+    }
 static const pith_param colour_items[] = {
-    PART("red", 0, 0), PART("green", 1, 0), PART("blue", 2, 0), PART("opacity", 3, 1),
+    PART("red", 0, 0),
+    PART("green", 1, 0),
+    PART("blue", 2, 0),
+    PART("opacity", 3, 1),
 };
 static const pith_params colour_params = { "colour", colour_items, 4, sizeof(colour_options) };
 
@@ -51,7 +60,9 @@ const node_class node_colour = {
 
 static const char *const component_words[] = { "x", "y", "z", "length", "footprint", NULL };
 enum { COMPONENT_LENGTH = 3, COMPONENT_FOOTPRINT = 4 };
-typedef struct component_options { uint32_t what; } component_options;
+typedef struct component_options {
+    uint32_t what;
+} component_options;
 static const pith_param component_items[] = {
     { "what", "1", "which number of the point", PITH_PARAM_CHOICE, 0, 0, 4, offsetof(component_options, what),
       component_words },
@@ -71,7 +82,8 @@ static void run_component(const void *state, const lanes *const *inputs, uint32_
     if (what == COMPONENT_LENGTH)
         for (int i = 0; i < LANES; ++i)
             out->v[0][i] = sqrtf(of->v[0][i] * of->v[0][i] + of->v[1][i] * of->v[1][i] + of->v[2][i] * of->v[2][i]);
-    else memcpy(out->v[0], of->v[what == COMPONENT_FOOTPRINT ? 3 : what], sizeof out->v[0]);
+    else
+        memcpy(out->v[0], of->v[what == COMPONENT_FOOTPRINT ? 3 : what], sizeof out->v[0]);
 }
 
 const node_class node_component = {

@@ -67,8 +67,9 @@ static inline uint32_t component(graph *to, const char *what, uint32_t of)
 
 static inline pith_status graph_build(const graph *from, uint32_t colour, pith_solid **solid)
 {
-    const pith_procedural what = { .nodes = from->nodes, .count = from->count, .colour = colour, .opacity = PITH_NONE,
-                                   .displacement = PITH_NONE };
+    const pith_procedural what = {
+        .nodes = from->nodes, .count = from->count, .colour = colour, .opacity = PITH_NONE, .displacement = PITH_NONE
+    };
     return pith_solid_procedural(&what, solid, &err);
 }
 

@@ -73,7 +73,8 @@ static void test_repeat_and_warp(void **state)
     set(&g, folded, "mirror", 1);
     ask(&g, component(&g, "x", folded));
     for (size_t i = 0; i < POINTS; ++i) {
-        const double whole = fmod(fmod(points[i].x + 1.5, 1.5) + 1.5, 1.5), expected = whole > 0.75 ? 1.5 - whole : whole;
+        const double whole = fmod(fmod(points[i].x + 1.5, 1.5) + 1.5, 1.5),
+                     expected = whole > 0.75 ? 1.5 - whole : whole;
         CHECK_NEAR(answers[i][0], expected, 2e-6);
     }
     ask(&g, component(&g, "y", folded));
@@ -214,8 +215,9 @@ static void test_batches_threads_and_odd_points(void **state)
     const uint32_t all = add(&g, "combine"), normal = add(&g, "normal"), product = add(&g, "dot");
     join(&g, product, 0, normal), join(&g, product, 1, add(&g, "view"));
     join(&g, all, 0, product), join(&g, all, 0, component(&g, "length", PITH_NONE));
-    const pith_procedural what = { .nodes = g.nodes, .count = g.count, .colour = all, .opacity = product,
-                                   .displacement = all };
+    const pith_procedural what = {
+        .nodes = g.nodes, .count = g.count, .colour = all, .opacity = product, .displacement = all
+    };
     pith_solid *solid = NULL;
     CHECK_OK(pith_solid_procedural(&what, &solid, &err));
     assert_int_equal(pith_solid_channels(solid), 5);
