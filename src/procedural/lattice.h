@@ -1,6 +1,5 @@
 /* Random functions on a lattice of unit cells: what their kernels are told, and the two builds of the kernels. What is
-   random about a cell is a hash of its three whole coordinates, taken modulo the period. Points come in units of cells, or,
-   where a lattice_place goes with them, in model units. */
+   random about a cell is a hash of its three whole coordinates, taken modulo the period. */
 #ifndef PITH_PROCEDURAL_LATTICE_H
 #define PITH_PROCEDURAL_LATTICE_H
 
@@ -18,21 +17,21 @@ typedef struct lattice_cells {
 } lattice_cells;
 lattice_cells lattice_cells_make(const uint32_t period[3], uint32_t seed);
 
-/* Shares of a function that are left when it is averaged over a footprint of d cells, a disc that lies in any direction:
-   the factor `a` for which mean + a (value - mean) is nearest, by least squares, to the average. It is the mean of the
-   function's autocorrelation over the disc. 1 / (1 + near d^2 + far d^4) fits it within 0.03, here less what is left at
+/* The share of a function that is left when it is averaged over a footprint of d cells, a disc that lies in any direction:
+   the factor a for which mean + a (value - mean) is nearest, by least squares, to the average. That is the mean of the
+   function's autocorrelation over the disc. Fitted by 1 / (1 + d bent + d^2 near + d^4 far), less what this leaves at
    LATTICE_GONE cells, so that it ends there. */
-typedef struct lattice_fade { float near, far, rest; } lattice_fade;
+typedef struct lattice_fade { float bent, near, far, rest; } lattice_fade;
 #define LATTICE_GONE 6.0f
-lattice_fade lattice_fade_make(double near, double far);
-/* Of noise, as its autocorrelation follows from its kernel; of its size and its slope, as measured. */
-#define LATTICE_FADE_NOISE lattice_fade_make(0.42, 0.09)
-#define LATTICE_FADE_SIZE lattice_fade_make(1.2, 0.1)
-#define LATTICE_FADE_SLOPE lattice_fade_make(1.2, 0.1)
+lattice_fade lattice_fade_make(double bent, double near, double far);
+/* Of noise, within 0.02, where the autocorrelation follows from the fade curve; of its size and its slope, as measured. */
+#define LATTICE_FADE_NOISE lattice_fade_make(0.0, 0.424, 0.088)
+#define LATTICE_FADE_SIZE lattice_fade_make(0.0, 1.28, 0.205)
+#define LATTICE_FADE_SLOPE lattice_fade_make(0.0, 0.563, 0.263)
 
-/* Mean of the size of noise, and the deviation of noise from its mean 0: of the endless one. */
-#define LATTICE_SIZE_MEAN 0.17f
-#define LATTICE_DEVIATION 0.2205f
+/* Of endless noise: the mean of its size, as measured. Its own mean is 0, whatever the period, as every gradient's ramp is
+   odd; its deviation is 0.2205, from the fade curve too. */
+#define LATTICE_SIZE_MEAN 0.1806f
 
 /* A sum of noises of several sizes. */
 enum { LATTICE_OCTAVES = 16 };
@@ -45,8 +44,9 @@ typedef struct lattice_octave {
 typedef struct lattice_sum {
     lattice_octave octaves[LATTICE_OCTAVES];
     uint32_t octave_count;
+    uint32_t period[3];         /* in cells of the first octave */
     float per_unit;             /* cells of the first octave in a model unit */
-    float limit;                /* in cells of the first octave: LATTICE_LIMIT of the finest */
+    float limit;                /* in cells of the first octave: the finest stays within LATTICE_LIMIT */
     bool sizes;                 /* adds up |noise| */
     lattice_fade fade;
 } lattice_sum;
@@ -70,6 +70,9 @@ typedef struct lattice_kernels {
     /* second and number may be NULL. */
     void (*cellular)(const lattice_cells *cells, float jitter, const float *const at[3], size_t count, float *nearest,
                      float *second, float *number);
+    /* Moves values towards their mean as footprints[] (in cells after `per_unit`) ask for. */
+    void (*fade)(const lattice_fade *fade, float mean, const float *footprints, float per_unit, size_t count,
+                 float *value);
     void (*sum)(const lattice_sum *sum, const lanes *at, size_t count, float *value);
     /* Its derivative, per cell of the first octave. */
     void (*sum_slope)(const lattice_sum *sum, const lanes *at, size_t count, lanes *slope);
@@ -81,5 +84,22 @@ extern const lattice_kernels lattice_scalar;
 extern const lattice_kernels lattice_avx2; /* only where the processor has it */
 #endif
 const lattice_kernels *lattice_kernels_for(pith_simd how);
+
+/* ---- options of the functions -------------------------------------------------------------------------------------- */
+
+/* Every options struct of a function on the lattice begins with these. */
+typedef struct lattice_options { double size; uint64_t seed; uint32_t period[3]; } lattice_options;
+#define LATTICE_PERIOD(axis, i)                                                                                        \
+    { "period_" axis, "cells", "repeats after so many along " axis "; 0: never", PITH_PARAM_UINT, 0, 0, 65536,         \
+      offsetof(lattice_options, period[i]), NULL }
+#define LATTICE_PARAMS                                                                                                 \
+    { "size", "model unit", "edge of a cell; larger is coarser", PITH_PARAM_DOUBLE, 1e-6, 1, 1e6,                      \
+      offsetof(lattice_options, size), NULL },                                                                         \
+    { "seed", "1", "another number, another pattern", PITH_PARAM_SEED, 0, 0, 9007199254740992.0,                       \
+      offsetof(lattice_options, seed), NULL },                                                                         \
+    LATTICE_PERIOD("x", 0), LATTICE_PERIOD("y", 1), LATTICE_PERIOD("z", 2)
+#define LATTICE_AT { .name = "at", .help = "where it is looked up", .takes = PITH_VALUE_POINT }
+/* The seed of one of several lattices of a node. */
+uint32_t lattice_seed(const node_build *build, uint32_t which);
 
 #endif

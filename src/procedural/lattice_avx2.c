@@ -15,7 +15,7 @@
 #include "lattice_noise.h"
 #include "lattice_phasor.h"
 
-const lattice_kernels lattice_avx2 = { noise, noise_slope, cellular, sum, sum_slope, waves };
+const lattice_kernels lattice_avx2 = { noise, noise_slope, cellular, fade, sum, sum_slope, waves };
 
 #ifdef __clang__
 #pragma clang attribute pop

@@ -86,18 +86,33 @@ static void noise_slope(const lattice_cells *cells, const float *const at[3], si
 
 /* ---- sums ---------------------------------------------------------------------------------------------------------- */
 
-/* A point of the first octave, and its footprint: at least 0, and endless rather than no number. */
-WORD vf load_place(const lattice_cells *cells, const lanes *from, size_t i, float per_unit, float limit, vf at[3])
+/* In cells; at least 0, and endless rather than no number. */
+WORD vf load_footprint(const float *from, float per_unit)
+{
+    return f_max(f_min(f_load(from) * per_unit, f_all(1e6f)), f_all(0.0f));
+}
+
+/* A point of the first octave, and its footprint. */
+WORD vf load_place(const uint32_t period[3], const lanes *from, size_t i, float per_unit, float limit, vf at[3])
 {
     for (int a = 0; a < 3; ++a)
-        at[a] = repeated(limited(f_load(from->v[a] + i) * per_unit, limit), cells->period[a]);
-    return f_max(f_min(f_load(from->v[3] + i) * per_unit, f_all(1e6f)), f_all(0.0f));
+        at[a] = repeated(limited(f_load(from->v[a] + i) * per_unit, limit), period[a]);
+    return load_footprint(from->v[3] + i, per_unit);
 }
 
 WORD vf share_left(const lattice_fade *fade, vf d)
 {
-    const vf s = d * d, left = f_all(1.0f) / (1.0f + s * (fade->near + s * fade->far));
+    const vf s = d * d, left = f_all(1.0f) / (1.0f + (d * fade->bent + s * (fade->near + s * fade->far)));
     return f_max((left - fade->rest) * (1.0f / (1.0f - fade->rest)), f_all(0.0f));
+}
+
+static void fade(const lattice_fade *fade, float mean, const float *footprints, float per_unit, size_t count,
+                 float *value)
+{
+    for (size_t i = 0; i < count; i += WIDTH) {
+        const vf left = share_left(fade, load_footprint(footprints + i, per_unit));
+        f_store(value + i, left * (f_load(value + i) - mean) + mean);
+    }
 }
 
 WORD void octave_place(const lattice_octave *octave, const vf at[3], vf p[3])
@@ -109,7 +124,7 @@ static void sum(const lattice_sum *sum, const lanes *at, size_t count, float *va
 {
     for (size_t i = 0; i < count; i += WIDTH) {
         vf first[3], total = f_all(0.0f);
-        const vf d = load_place(&sum->octaves[0].cells, at, i, sum->per_unit, sum->limit, first);
+        const vf d = load_place(sum->period, at, i, sum->per_unit, sum->limit, first);
         for (uint32_t k = 0; k < sum->octave_count; ++k) {
             const lattice_octave *octave = &sum->octaves[k];
             const vf left = share_left(&sum->fade, d * octave->rate);
@@ -129,7 +144,7 @@ static void sum_slope(const lattice_sum *sum, const lanes *at, size_t count, lan
 {
     for (size_t i = 0; i < count; i += WIDTH) {
         vf first[3], total[3] = { f_all(0.0f), f_all(0.0f), f_all(0.0f) };
-        const vf d = load_place(&sum->octaves[0].cells, at, i, sum->per_unit, sum->limit, first);
+        const vf d = load_place(sum->period, at, i, sum->per_unit, sum->limit, first);
         for (uint32_t k = 0; k < sum->octave_count; ++k) {
             const lattice_octave *octave = &sum->octaves[k];
             const vf left = share_left(&sum->fade, d * octave->rate);

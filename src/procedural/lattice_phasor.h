@@ -92,7 +92,7 @@ static void waves(const lattice_waves *waves, const lanes *at, const lanes *alon
 {
     for (size_t i = 0; i < count; i += WIDTH) {
         vf p[3];
-        const vf d = load_place(&waves->cells, at, i, waves->per_unit, LATTICE_LIMIT, p);
+        const vf d = load_place(waves->cells.period, at, i, waves->per_unit, LATTICE_LIMIT, p);
         wave_sum sum = { .real = f_all(0.0f), .imaginary = f_all(0.0f) };
 
         /* Where there is no direction there are no waves. */

@@ -5,4 +5,4 @@
 #include "lattice_noise.h"
 #include "lattice_phasor.h"
 
-const lattice_kernels lattice_scalar = { noise, noise_slope, cellular, sum, sum_slope, waves };
+const lattice_kernels lattice_scalar = { noise, noise_slope, cellular, fade, sum, sum_slope, waves };

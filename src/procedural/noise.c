@@ -22,10 +22,17 @@ lattice_cells lattice_cells_make(const uint32_t period[3], uint32_t seed)
     return cells;
 }
 
-lattice_fade lattice_fade_make(double near, double far)
+lattice_fade lattice_fade_make(double bent, double near, double far)
 {
-    const double s = LATTICE_GONE * LATTICE_GONE;
-    return (lattice_fade){ (float)near, (float)far, (float)(1.0 / (1.0 + s * (near + s * far))) };
+    const double d = LATTICE_GONE;
+    return (lattice_fade){ (float)bent, (float)near, (float)far,
+                           (float)(1.0 / (1.0 + d * (bent + d * (near + d * d * far)))) };
+}
+
+uint32_t lattice_seed(const node_build *build, uint32_t which)
+{
+    const lattice_options *options = build->options;
+    return (uint32_t)(pith_mix64(node_seed(build, options->seed) + which) >> 32);
 }
 
 /* The last points of an array, fewer than a kernel takes: copied to where there is room behind them. */
