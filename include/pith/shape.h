@@ -98,6 +98,29 @@ pith_slab_options pith_slab_options_default(void);
 /** PITH_BAD_ARGUMENT when top and bottom meet somewhere. */
 pith_status pith_mesh_slab(const pith_slab_options *options, pith_mesh **mesh, pith_error *err);
 
+/** A block with its middle at the origin: a welded box of triangles, `detail` edges along its longest side. */
+typedef struct pith_block_options {
+    double size_x, size_y, size_z;
+    uint32_t detail;
+} pith_block_options;
+extern const pith_params pith_block_params;
+pith_block_options pith_block_options_default(void);
+pith_status pith_mesh_block(const pith_block_options *options, pith_mesh **mesh, pith_error *err);
+
+/** Where a thing stands that was made about the origin: scaled, turned about x, then y, then z, and moved. */
+typedef struct pith_placement {
+    double scale;
+    double turn_x, turn_y, turn_z;  /* degrees */
+    double move_x, move_y, move_z;  /* model units */
+} pith_placement;
+extern const pith_params pith_placement_params;
+/** The columns of its rotation: where x, y and z point. */
+void pith_placement_axes(const pith_placement *placement, pith_vec3 axes[3]);
+pith_vec3 pith_placement_point(const pith_placement *placement, pith_vec3 point);
+/** A copy of the mesh that stands there; normals turn along. */
+pith_status pith_mesh_placed(const pith_mesh *mesh, const pith_placement *placement, pith_mesh **placed,
+                             pith_error *err);
+
 /** Angle-weighted vertex normals (Thürmer and Wüthrich 1998), unit length; [vertex_count], caller's array. */
 void pith_mesh_vertex_normals(const pith_mesh_view *mesh, pith_vec3 *normals);
 

@@ -27,7 +27,7 @@ static pith_status render_surface(const cli_model *opened, const cli_line *line,
     pith_render_options options;
     const pith_render_item *items;
     size_t count;
-    PITH_TRY(pith_model_items(opened->model, &items, &count, err));
+    PITH_TRY(pith_model_scene(opened->model, &items, &count, err));
     if (count == 0) return nothing_left(opened, err);
     PITH_TRY(pith_model_view(opened->model, &(pith_camera){ 0 }, &options, err));
     cli_apply_params(line, &pith_render_params, &options);

@@ -142,6 +142,8 @@ typedef struct document_exemplar {
     pith_recipe *recipe;            /* or NULL; owned by the document */
 } document_exemplar;
 
+typedef struct document_body document_body;
+
 /* A graph of functions; assets of its nodes are paths yet. */
 typedef struct document_graph {
     pith_node *nodes;               /* [count]; nodes written in place of inputs are the last */
@@ -195,15 +197,33 @@ typedef struct document_facing { pith_vec3 direction; double within; } document_
 /* Marks those [triangle_count], and no others; says how many. */
 size_t facing_mark(const document_facing *to, const pith_mesh_view *mesh, bool *marked);
 
+/* A profile turned about the z axis: quadrics, exact in pictures of what is not cut, and their twin of triangles. */
+typedef struct turned_options { double edge; } turned_options;
+typedef struct profile_value { double z, r; bool corner; } profile_value;
+typedef struct document_turned {
+    pith_profile_point *profile;    /* [count] */
+    size_t count;
+    turned_options options;
+} document_turned;
+/* The quadrics where they stand; pith_free them. The body is turned. */
+pith_status turned_quadrics(const document_body *body, pith_quadric **quadrics, size_t *count, pith_error *err);
+
+/* How a body's surface takes the light. */
+typedef struct finish_options { double reflectivity; } finish_options;
+
 /* One body: what stands at the top level of a document, or in an entry of its "bodies". */
-typedef struct document_body {
+struct document_body {
     const char *name;               /* "" when it is the only one */
     const char *place;              /* what stands before its keys in messages: "" or "bodies[2]." */
 
-    enum { SHAPE_MESH, SHAPE_FRUIT, SHAPE_SLAB } shape;
+    enum { SHAPE_MESH, SHAPE_FRUIT, SHAPE_SLAB, SHAPE_BLOCK, SHAPE_TURNED } shape;
     const char *mesh_file;          /* resolved path */
     pith_fruit_options fruit;
     pith_slab_options slab;
+    pith_block_options block;
+    document_turned turned;
+    bool placed;
+    pith_placement placement;
     pith_tets_options tets;
     pith_refine_options refine;
 
@@ -221,7 +241,8 @@ typedef struct document_body {
     size_t solid_count, solid;      /* solid: the one the body is made of */
     bool displaced;
     pith_displacement_options displacement;
-} document_body;
+    finish_options finish;
+};
 
 typedef struct document_camera {
     bool placed;                    /* eye, target, up; else fitted from direction */
@@ -290,7 +311,8 @@ typedef struct type_needs { const char *word; bool depth, direction, vectors, sc
 const type_needs *type_needs_of(uint32_t type);
 
 extern const pith_params document_grid_params, document_lens_params, document_depth_value_params,
-    document_constraint_params, document_recipe_params, document_stop_params, document_graph_params,
+    document_turned_params, document_profile_params, document_finish_params, document_constraint_params,
+    document_recipe_params, document_stop_params, document_graph_params,
     document_map_stop_params, document_wave_params;
 extern const pith_params document_part_params;
 extern const pith_params document_scale_value_params, document_paste_params, document_transfer_params;

@@ -191,11 +191,23 @@ static uint64_t hash_scale(const document_scale *scale, uint64_t hash)
     return hash_options(&pith_smoothing_params, &scale->smoothing, hash);
 }
 
+static uint64_t hash_turned(const document_turned *turned, uint64_t hash)
+{
+    for (size_t i = 0; i < turned->count; ++i) {
+        const profile_value point = { turned->profile[i].z, turned->profile[i].r, turned->profile[i].corner };
+        hash = hash_options(&document_profile_params, &point, hash);
+    }
+    return hash_options(&document_turned_params, &turned->options, hash);
+}
+
 static pith_status hash_form(const document_body *body, uint64_t *hash, pith_error *err)
 {
+    if (body->placed) *hash = hash_options(&pith_placement_params, &body->placement, *hash);
     if (body->mesh_file) return hash_file(body->mesh_file, hash, err);
     if (body->shape == SHAPE_SLAB) *hash = hash_options(&pith_slab_params, &body->slab, *hash);
-    else *hash = hash_options(&pith_fruit_params, &body->fruit, *hash);
+    else if (body->shape == SHAPE_BLOCK) *hash = hash_options(&pith_block_params, &body->block, *hash);
+    else if (body->shape == SHAPE_TURNED) *hash = hash_turned(&body->turned, *hash);
+    else if (body->shape == SHAPE_FRUIT) *hash = hash_options(&pith_fruit_params, &body->fruit, *hash);
     return PITH_OK;
 }
 

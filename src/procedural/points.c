@@ -150,21 +150,14 @@ static const pith_params place_params = { "place", place_items, sizeof place_ite
 static pith_status prepare_place(const node_build *build, void **state, pith_error *err)
 {
     const place_options *options = build->options;
-    double r[3][3] = { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } };
-    for (int axis = 0; axis < 3; ++axis) {
-        const double angle = options->turn[axis] * acos(-1.0) / 180.0, c = cos(angle), s = sin(angle);
-        const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-        for (int j = 0; j < 3; ++j) {
-            const double a = r[u][j], b = r[v][j];
-            r[u][j] = c * a - s * b;
-            r[v][j] = s * a + c * b;
-        }
-    }
+    pith_vec3 axes[3];
+    pith_placement_axes(&(pith_placement){ .turn_x = options->turn[0], .turn_y = options->turn[1],
+                                           .turn_z = options->turn[2] }, axes);
     double back[3][4];
     for (int i = 0; i < 3; ++i) {
         back[i][3] = 0.0;
         for (int j = 0; j < 3; ++j) {
-            back[i][j] = r[j][i] / options->scale[i];
+            back[i][j] = (&axes[i].x)[j] / options->scale[i];
             back[i][3] -= back[i][j] * options->move[j];
         }
     }
