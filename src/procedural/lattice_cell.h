@@ -8,20 +8,31 @@
 /* Brings what is larger, or no number, to the limit. */
 WORD vf limited(vf x, float limit) { return f_max(f_min(x, f_all(limit)), f_all(-limit)); }
 
-/* The remainder of x, within LATTICE_LIMIT, by the period. Exact: quotient, product and difference of whole numbers and
-   multiples of x's last bit below 2^24, and a quotient that rounding makes off by one is put right. */
+/* The remainder of x, within LATTICE_LIMIT, by the period: -period/2 to period/2, so that nothing is lost near the origin.
+   Exact: the quotient's product is a whole number below 2^24, the difference smaller than x and a multiple of x's last
+   bit; a quotient that rounding makes off by one is put right. */
 WORD vf repeated(vf x, uint32_t period)
 {
     if (period == 0) return x;
-    const float whole = (float)period;
-    vf rest = x - f_floor(x * (1.0f / whole)) * whole;
-    rest = rest + f_select(f_less(rest, f_all(0.0f)), f_all(whole), f_all(0.0f));
-    return rest - f_select(f_less(rest, f_all(whole)), f_all(0.0f), f_all(whole));
+    const float whole = (float)period, half = 0.5f * whole;
+    vf rest = x - f_floor(x * (1.0f / whole) + 0.5f) * whole;
+    rest = rest + f_select(f_less(rest, f_all(-half)), f_all(whole), f_all(0.0f));
+    return rest - f_select(f_less(rest, f_all(half)), f_all(0.0f), f_all(whole));
 }
 
-/* One period off where a cell lies behind the end; from period on, below no cell is negative then. Without a period all
-   stays as it is. */
+/* Less one period where a cell, below two periods, lies behind the first. Without a period all stays as it is. */
 WORD vi wrapped(vi cell, uint32_t period) { return i_min(cell, cell - period); }
+WORD vi cell_before(vi cell, uint32_t period) { return wrapped(cell + (period - 1u), period); }
+WORD vi cell_after(vi cell, uint32_t period) { return wrapped(cell + 1u, period); }
+
+/* The cell of a coordinate within half a period and half a cell of the origin, or within the limit without a period; and
+   the place in it, 0 to 1. */
+WORD vi cell_of(vf x, uint32_t period, vf *place)
+{
+    const vf low = f_floor(x);
+    *place = x - low;
+    return wrapped(f_to_i(low) + period, period);
+}
 
 /* The random number of one coordinate: odd factors keep all of them apart, the shift lets high bits act on low ones. */
 WORD vi axis_hash(vi cell, uint32_t salt)

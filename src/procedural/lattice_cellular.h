@@ -21,11 +21,6 @@ typedef struct cell_rows {
 
 typedef struct nearest_two { vf first, second; vi hash; } nearest_two;
 
-WORD vi row_hash(const lattice_cells *cells, int axis, vi cell)
-{
-    return axis_hash(cell, cells->salt[axis]);
-}
-
 WORD void consider(const cell_rows rows[3], int x, int y, int z, float jitter, bool second, nearest_two *best)
 {
     vi h = cell_hash(rows[0].hash[x] + rows[1].hash[y] + rows[2].hash[z]);
@@ -57,18 +52,18 @@ WORD nearest_two find_nearest(const lattice_cells *cells, float jitter, const vf
 {
     const float margin = 0.5f - 0.5f * jitter;
     cell_rows rows[3];
-    vi inner[3];
-    vf nearest_side = f_all(1.0f);
+    vf place[3], nearest_side = f_all(1.0f);
+    vi ends[3][2];
     for (int a = 0; a < 3; ++a) {
-        const uint32_t period = cells->period[a];
-        const vf low = f_floor(at[a]), place = at[a] - low;
-        inner[a] = wrapped(f_to_i(low), period);
-        const vi before = wrapped(inner[a] + (period - 1u), period), after = wrapped(inner[a] + 1u, period);
-        rows[a].hash[1] = row_hash(cells, a, before);
-        rows[a].hash[2] = row_hash(cells, a, inner[a]);
-        rows[a].hash[3] = row_hash(cells, a, after);
-        for (int k = 0; k < 5; ++k) rows[a].start[k] = ((float)(k - 2) + 0.5f - 1.5f * jitter) - place;
-        nearest_side = f_min(nearest_side, f_min(place, 1.0f - place));
+        const uint32_t period = cells->period[a], salt = cells->salt[a];
+        const vi inner = cell_of(at[a], period, &place[a]);
+        ends[a][0] = cell_before(inner, period);
+        ends[a][1] = cell_after(inner, period);
+        rows[a].hash[1] = axis_hash(ends[a][0], salt);
+        rows[a].hash[2] = axis_hash(inner, salt);
+        rows[a].hash[3] = axis_hash(ends[a][1], salt);
+        for (int k = 0; k < 5; ++k) rows[a].start[k] = ((float)(k - 2) + 0.5f - 1.5f * jitter) - place[a];
+        nearest_side = f_min(nearest_side, f_min(place[a], 1.0f - place[a]));
     }
 
     nearest_two best = { f_all(100.0f), f_all(100.0f), i_all(0) };
@@ -82,13 +77,10 @@ WORD nearest_two find_nearest(const lattice_cells *cells, float jitter, const vf
     const vf bound = (nearest_side + (1.0f + margin)) * 0.99999f;
     if (any(f_less(bound * bound, second ? best.second : best.first))) {
         for (int a = 0; a < 3; ++a) {
-            const uint32_t period = cells->period[a];
-            const vf place = at[a] - f_floor(at[a]);
-            const vi before = wrapped(inner[a] + (period - 1u), period), after = wrapped(inner[a] + 1u, period);
-            rows[a].hash[0] = row_hash(cells, a, wrapped(before + (period - 1u), period));
-            rows[a].hash[4] = row_hash(cells, a, wrapped(after + 1u, period));
+            rows[a].hash[0] = axis_hash(cell_before(ends[a][0], cells->period[a]), cells->salt[a]);
+            rows[a].hash[4] = axis_hash(cell_after(ends[a][1], cells->period[a]), cells->salt[a]);
             for (int k = 0; k < 5; ++k) {
-                const vf gap = k < 2 ? place + ((float)(1 - k) + margin) : ((float)(k - 2) + margin) - place;
+                const vf gap = k < 2 ? place[a] + ((float)(1 - k) + margin) : ((float)(k - 2) + margin) - place[a];
                 rows[a].gap[k] = gap * gap * (k == 2 ? 0.0f : 0.9999f);
             }
         }

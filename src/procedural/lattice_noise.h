@@ -17,21 +17,18 @@ WORD vf lerp_corners(const vf corner[8], const vf t[3])
     return lerp(low, high, t[2]);
 }
 
-/* Noise at coordinates within LATTICE_LIMIT, and not more than one period beyond it where there is one. slope: its three
-   derivatives, or NULL. */
+/* Noise at coordinates that cell_of takes. slope: its three derivatives, or NULL. */
 WORD vf noise_at(const lattice_cells *cells, const vf at[3], vf *slope)
 {
     /* The cell, the place in it, and the hashes of the two coordinates on each axis. */
     vf place[3][2], t[3];
     vi hash[3][2];
     for (int a = 0; a < 3; ++a) {
-        const vf low = f_floor(at[a]);
-        place[a][0] = at[a] - low;
+        const vi cell = cell_of(at[a], cells->period[a], &place[a][0]);
         place[a][1] = place[a][0] - 1.0f;
         t[a] = fade_curve(place[a][0]);
-        const vi cell = wrapped(f_to_i(low), cells->period[a]);
         hash[a][0] = axis_hash(cell, cells->salt[a]);
-        hash[a][1] = axis_hash(wrapped(cell + 1u, cells->period[a]), cells->salt[a]);
+        hash[a][1] = axis_hash(cell_after(cell, cells->period[a]), cells->salt[a]);
     }
 
     /* Each corner's gradient makes a ramp through it. */

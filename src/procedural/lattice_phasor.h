@@ -64,12 +64,10 @@ WORD void add_cells(const lattice_waves *waves, const vf at[3], wave_sum *sum)
     vf gap[3][3];
     for (int a = 0; a < 3; ++a) {
         const uint32_t period = waves->cells.period[a];
-        const vf low = f_floor(at[a]);
-        const vi cell = wrapped(f_to_i(low), period);
-        hash[a][0] = axis_hash(wrapped(cell + (period - 1u), period), waves->cells.salt[a]);
+        const vi cell = cell_of(at[a], period, &sum->place[a]);
+        hash[a][0] = axis_hash(cell_before(cell, period), waves->cells.salt[a]);
         hash[a][1] = axis_hash(cell, waves->cells.salt[a]);
-        hash[a][2] = axis_hash(wrapped(cell + 1u, period), waves->cells.salt[a]);
-        sum->place[a] = at[a] - low;
+        hash[a][2] = axis_hash(cell_after(cell, period), waves->cells.salt[a]);
         gap[a][0] = sum->place[a] * sum->place[a];
         gap[a][1] = f_all(0.0f);
         gap[a][2] = (1.0f - sum->place[a]) * (1.0f - sum->place[a]);
@@ -102,10 +100,16 @@ static void waves(const lattice_waves *waves, const lanes *at, const lanes *alon
         const vf length = f_sqrt(f_select(good, square, f_all(1.0f)));
         for (int a = 0; a < 3; ++a) sum.along[a] = f_select(good, raw[a], f_all(0.0f)) / length;
 
+        /* Nor under a footprint that leaves less of them than floats of this size tell. */
+        const vf lost = d * d * waves->blur;
+        if (!any(good & f_less(lost, f_all(24.0f)))) {
+            f_store(value + i, f_all(0.0f));
+            continue;
+        }
         add_cells(waves, p, &sum);
         const vf power = sum.real * sum.real + sum.imaginary * sum.imaginary;
-        const vf shown = sum.real / f_sqrt(power + 1e-3f) * exp2_below(d * d * -waves->blur);
-        f_store(value + i, f_select(good, shown, f_all(0.0f)));
+        const vf shown = sum.real / f_sqrt(power + 1e-3f) * exp2_below(f_all(0.0f) - lost);
+        f_store(value + i, f_select(good & f_less(lost, f_all(24.0f)), shown, f_all(0.0f)));
     }
 }
 

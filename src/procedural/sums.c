@@ -38,8 +38,8 @@ static bool lay_out_octave(const node_build *build, uint32_t k, double finer, la
         if (finer > 0.25 * LATTICE_LIMIT || whole > 0.25 * LATTICE_LIMIT) return false;
         period[a] = options->period[a] ? (uint32_t)whole : 0;
         octave->scale[a] = (float)(options->period[a] ? whole / options->period[a] : finer);
-        /* Noise is 0 on its lattice: without a shift all octaves would be at the origin. */
-        octave->shift[a] = k ? (float)(pith_mix64(3 * (uint64_t)seed + (uint64_t)a) & 255) / 256.0f : 0.0f;
+        /* Noise is 0 on its lattice: without a shift, of a quarter to half a cell, all octaves would be at the origin. */
+        octave->shift[a] = k ? 0.25f + (float)(pith_mix64(3 * (uint64_t)seed + (uint64_t)a) & 63) / 256.0f : 0.0f;
     }
     octave->rate = (float)finer;
     octave->cells = lattice_cells_make(period, seed);
