@@ -3,6 +3,7 @@
 
 #include "simd_scalar.h"
 
+#include "lattice_cell.h"
 #include "lattice_wave.h"
 
 enum { BLOCK = 1 << 13 };
@@ -215,6 +216,29 @@ static void test_it_is_continuous(void **state)
     }
 }
 
+/* Across fibres each kernel's waves run in a random direction less its part along; where nothing is left of it it turns over,
+   which must not show. */
+static void test_fibres_do_not_jump_where_a_random_direction_is_met(void **state)
+{
+    (void)state;
+    pith_rng rng = pith_rng_make(9, 0);
+    const lattice_node node = NODE(node_phasor, { "what", 1 });
+    anywhere(&rng, 100, NULL);
+    for (int i = 0; i < BLOCK; i += 2) {
+        vf g[3];
+        gradient_of(pith_rng_u32(&rng), g);
+        const pith_vec3 middle = pith_unit(pith_v3(g[0], g[1], g[2])), side = pith_perpendicular(middle);
+        for (int k = 0; k < 2; ++k) {
+            const pith_vec3 way = pith_madd(middle, side, k ? 1e-4 : -1e-4);
+            ways[i + k][0] = (float)way.x, ways[i + k][1] = (float)way.y, ways[i + k][2] = (float)way.z;
+            memcpy(points[i + k], points[i], sizeof points[i]);
+        }
+    }
+    ask(node, answers);
+    for (int i = 0; i < BLOCK; i += 2) CHECK_NEAR(answers[i][0], answers[i + 1][0], 0.05);
+    node_done(node);
+}
+
 /* A direction that turns bends the waves: they keep their frequency along it. Here it is radial in the plane, so that layers
    are rings about the axis: along a ray there are as many waves as along a straight line. */
 static void test_it_follows_directions_that_turn(void **state)
@@ -274,6 +298,7 @@ int main(void)
         cmocka_unit_test(test_the_length_of_the_direction_does_not_matter),
         cmocka_unit_test(test_it_repeats_bit_by_bit),
         cmocka_unit_test(test_it_is_continuous),
+        cmocka_unit_test(test_fibres_do_not_jump_where_a_random_direction_is_met),
         cmocka_unit_test(test_it_follows_directions_that_turn),
         cmocka_unit_test(test_footprints_average),
     };
