@@ -19,6 +19,7 @@ typedef struct pith_render_options {
     double light_strength, ambient;
     double gloss;               /* strength of the highlight on skin and section, 0..1 */
     uint32_t bounces;           /* mirrors that a ray goes by in turn, 0..8; 0: nothing is mirrored */
+    double zenith;              /* brightness of the sky overhead in mirrors, of the background's, which it has level */
     double exposure;            /* stops */
     double background_red, background_green, background_blue; /* sRGB values 0..1 */
     bool ground;                /* a matt floor under the scene that catches shadows */
@@ -59,8 +60,8 @@ pith_camera pith_camera_fit(const pith_box *box, pith_vec3 direction, pith_vec3 
  *  the eye's side, the directions to the eye and to the middle of the light, and the footprint: the diameter of the
  *  sample's cone there, divided by the cosine of incidence (as if that were 0.01 at least), after mirrors as wide as
  *  their curvature makes it (ray cones: Amanatides 1984; Akenine-Möller et al. 2019). A texture that has alpha < 1 shows
- *  what is behind it, through up to 8 surfaces; it casts a full shadow all the same. Mirrors show the scene and the
- *  background, and the highlight of `gloss` in place of the light itself.
+ *  what is behind it, through up to 8 surfaces; it casts a full shadow all the same. Mirrors show the scene, the
+ *  sky and the light, as a disc of `light_size` (3 degrees at least), and have no highlight of `gloss`.
  *  The floor is perpendicular to the camera's `up`, under the lowest vertex. The progress callback is called between
  *  groups of tiles, from the calling thread. PITH_BAD_ARGUMENT: nothing to draw, a camera that looks nowhere, an
  *  option out of range. Cost: about 0.5 microseconds of one core a sample beside what the solid takes. */

@@ -17,7 +17,9 @@ WORD vf repeated(vf x, uint32_t period)
     const float whole = (float)period, half = 0.5f * whole;
     vf rest = x - f_floor(x * (1.0f / whole) + 0.5f) * whole;
     rest = rest + f_select(f_less(rest, f_all(-half)), f_all(whole), f_all(0.0f));
-    return rest - f_select(f_less(rest, f_all(half)), f_all(0.0f), f_all(whole));
+    rest = rest - f_select(f_less(rest, f_all(half)), f_all(0.0f), f_all(whole));
+    /* Below half a period, where the quotient may round up to 1 and back again would lose a bit, nothing is to be done. */
+    return f_select(f_less(f_abs(x), f_all(half)), x, rest);
 }
 
 /* Less one period where a cell, below two periods, lies behind the first. Without a period all stays as it is. */

@@ -24,6 +24,8 @@ static const pith_param render_items[] = {
       offsetof(pith_render_options, gloss), NULL },
     { "bounces", "1", "mirrors that a ray goes by in turn; 0 mirrors nothing", PITH_PARAM_UINT, 0, 3, 8,
       offsetof(pith_render_options, bounces), NULL },
+    { "zenith", "1", "brightness of the sky overhead in mirrors, of the background; other than 1 gives them shape",
+      PITH_PARAM_DOUBLE, 0, 0.5, 100, offsetof(pith_render_options, zenith), NULL },
     { "exposure", "stop", "brightness; each stop doubles it", PITH_PARAM_DOUBLE, -20, 0, 20,
       offsetof(pith_render_options, exposure), NULL },
     { "background_red", "1", "red of the background, sRGB", PITH_PARAM_DOUBLE, 0, 0.94, 1,

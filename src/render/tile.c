@@ -136,12 +136,31 @@ static stretch reflect(const render_scene *scene, const stretch *from, const pla
     return next;
 }
 
-/* What a stretch meets when it leaves the scene; in a transparent picture nothing but for mirrors. */
+/* What a stretch meets when it leaves the scene: the background, and in mirrors the sky. */
 static void add_background(const render_scene *scene, const stretch *from, path *p, double part)
 {
-    if (scene->options->transparent && !from->bounce) return;
-    add_light(p, part, scene->background);
-    if (!from->bounce) p->covered += part;
+    if (from->bounce) {
+        double colour[3];
+        render_sky(scene, from->ray.direction, part, colour);
+        add_light(p, 1.0, colour);
+    } else if (!scene->options->transparent) {
+        add_light(p, part, scene->background);
+        p->covered += part;
+    }
+}
+
+/* Follows a mirror, or, when it is too faint or the last one, shows what it would if nothing stood before it; returns
+   whether next is to be followed. */
+static bool compose_mirror(const render_scene *scene, const render_scratch *s, size_t i, path *p, stretch *next)
+{
+    const place *at = &s->places[i];
+    const stretch *from = &s->active[i];
+    const double part = from->through * at->alpha * at->mirrored;
+    if (!(part > 0.0)) return false;
+    *next = reflect(scene, from, at, &s->hits[i], part);
+    if (part > least_light && from->bounce < scene->options->bounces) return true;
+    add_background(scene, next, p, part);
+    return false;
 }
 
 /* Adds a surface to its path, in front of what comes later; puts the stretches that go on from there into next. */
@@ -157,11 +176,7 @@ static size_t compose_surface(const render_scene *scene, const render_scratch *s
         for (int k = 0; k < 3; ++k) colour[k] *= 1.0 - at->mirrored;
         add_light(p, own, colour);
         if (!from->bounce) p->covered += own;
-        const double mirrored = own * at->mirrored;
-        if (mirrored > least_light && from->bounce < scene->options->bounces)
-            next[count++] = reflect(scene, from, at, &s->hits[i], mirrored);
-        else if (mirrored > 0.0) /* too faint, or the last mirror: as if nothing but background stood before it */
-            add_light(p, mirrored, scene->background);
+        if (compose_mirror(scene, s, i, p, next)) ++count;
     }
     const double through = from->through * (1.0 - alpha);
     if (!(through > least_light)) return count;

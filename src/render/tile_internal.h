@@ -69,6 +69,8 @@ void render_find_light(const render_scene *scene, render_scratch *s, size_t acti
 /* The colour of a place but for what is mirrored in it. */
 void render_shade(const render_scene *scene, const render_scratch *s, const place *at, double colour[3]);
 void render_shade_floor(const render_scene *scene, const render_scratch *s, const place *at, double colour[3]);
+/* What a mirror shows where nothing of the scene stands: the sky, and the light as a disc; times `part`. */
+void render_sky(const render_scene *scene, pith_vec3 direction, double part, double colour[3]);
 /* Schlick's share of light that a surface mirrors, of `head_on` where the cosine is 1. */
 double render_fresnel(double head_on, double cosine);
 

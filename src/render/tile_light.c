@@ -13,7 +13,9 @@ static const double floor_brightness = 0.8; /* of the background's colour, as li
 static const double shine = 90.0;           /* Blinn's exponent */
 static const double reflectance = 0.05;     /* head on, of something wet */
 static const double skin_gloss = 0.4;       /* of the section's: skins are drier than what they hold */
-static const double shoulder = 0.8;         /* tones below are kept as they are, those above are bent to stay below 1 */
+static const double least_disc = 0.026; /* sine of 1.5 degrees: a smaller light is shown as large as that in mirrors */
+static const double disc_edge = 0.15;   /* part of its radius over which it fades */
+static const double shoulder = 0.8;     /* tones below are kept as they are, those above are bent to stay below 1 */
 
 static uint32_t add_blocker(const render_scene *scene, render_scratch *s, size_t *count, const place *at,
                             pith_vec3 direction)
@@ -75,20 +77,35 @@ void render_shade(const render_scene *scene, const render_scratch *s, const plac
     const double key = lit ? o->light_strength * fmax(0.0, (at->facing + wrap) / (1.0 + wrap)) : 0.0;
 
     const double toward_eye = fmax(0.0, pith_dot(at->normal, at->view));
-    /* What the sky adds is seen in the mirror itself where there is one. */
-    double glare = open && !(at->mirrored > 0.0) ? o->ambient * render_fresnel(reflectance, toward_eye) : 0.0;
+    double glare = open ? o->ambient * render_fresnel(reflectance, toward_eye) : 0.0;
     if (lit && at->facing > 0.0) {
         const pith_vec3 half = pith_unit(pith_add(at->key, at->view));
         const double peak = (shine + 8.0) / 8.0 * pow(fmax(0.0, pith_dot(at->normal, half)), shine);
         glare += o->light_strength * at->facing * peak * render_fresnel(reflectance, pith_dot(half, at->view));
     }
-    const double gloss = o->gloss * (at->skin ? skin_gloss : 1.0);
+    /* A mirror shows the light and the sky themselves. */
+    const double gloss = at->mirrored > 0.0 ? 0.0 : o->gloss * (at->skin ? skin_gloss : 1.0);
     for (int k = 0; k < 3; ++k) {
         const double albedo = at->albedo[k];
         const double sky = !open ? bounce * albedo : from_floor ? floor_brightness * scene->background[k] : 1.0;
         colour[k] = albedo * (key + o->ambient * sky) + gloss * glare;
     }
     tone(scene, colour);
+}
+
+void render_sky(const render_scene *scene, pith_vec3 direction, double part, double colour[3])
+{
+    const pith_render_options *o = scene->options;
+    const double height = fmax(0.0, pith_dot(direction, scene->view.sky));
+    const double sky = 1.0 + (o->zenith - 1.0) * height * (2.0 - height);
+    /* The disc has the radiance that gives a facing surface the light's strength, where even light from the half sphere
+       would have 1. What is far too bright is bent per sample, so that its edge stays smooth. */
+    const double rim = fmax(least_disc, sin(0.5 * o->light_size * (M_PI / 180.0)));
+    const double off = pith_length(pith_cross(direction, scene->view.light)) / rim;
+    const bool ahead = pith_dot(direction, scene->view.light) > 0.0;
+    const double edge = ahead ? fmin(1.0, fmax(0.0, (1.0 - off) / disc_edge)) : 0.0;
+    const double glow = edge * edge * (3.0 - 2.0 * edge) * o->light_strength * scene->gain / (rim * rim);
+    for (int k = 0; k < 3; ++k) colour[k] = part * sky * scene->background[k] + (1.0 - exp(-part * glow));
 }
 
 /* The floor shows the background, darker by the share of its light that is hidden: where nothing is near, no line parts

@@ -158,6 +158,30 @@ static void test_it_repeats_bit_by_bit(void **state)
     assert_int_equal(different_bits(value, other[0], BLOCK), 0);
 }
 
+/* The remainder against the one in double, which is exact for floats: within half a period, the lower end included. */
+static void test_remainders_are_exact(void **state)
+{
+    (void)state;
+    static const uint32_t periods[] = { 1, 2, 3, 7, 10, 49, 1000, 65535, 1000003, 8388607, 8388608 };
+    pith_rng rng = pith_rng_make(10, 0);
+    for (int p = 0; p < 11; ++p) {
+        const double period = periods[p];
+        for (int i = 0; i < 100000; ++i) {
+            double x = LATTICE_LIMIT * pow(pith_rng_unit(&rng), 1 + i % 5);
+            if (i % 2) x = period * (floor(x / period) + 0.5 * (i / 2 % 2)); /* where the remainder jumps, or is 0 */
+            if (i % 3 == 0) x = -x;
+            float at_ = (float)x;
+            if (i % 7 == 1) at_ = nextafterf(at_, -1e9f);
+            if (i % 7 == 2) at_ = nextafterf(at_, 1e9f);
+            at_ = limited(at_, LATTICE_LIMIT);
+            double expected = at_ - period * floor(at_ / period + 0.5);
+            if (expected >= 0.5 * period) expected -= period;
+            if (expected < -0.5 * period) expected += period;
+            CHECK_NEAR(repeated(at_, periods[p]), expected, 0);
+        }
+    }
+}
+
 static double fade(double t) { return t * t * t * (t * (t * 6.0 - 15.0) + 10.0); }
 
 /* N = sum of (g . d) w(d) over lattice points: with gradients that are independent and of second moment L^2/3, the mean
@@ -295,6 +319,7 @@ int main(void)
         cmocka_unit_test(test_slope_is_the_derivative),
         cmocka_unit_test(test_value_and_slope_are_continuous_across_cells),
         cmocka_unit_test(test_it_repeats_bit_by_bit),
+        cmocka_unit_test(test_remainders_are_exact),
         cmocka_unit_test(test_mean_and_deviation),
         cmocka_unit_test(test_gradients_prefer_no_direction),
         cmocka_unit_test(test_spectrum_is_roughly_the_same_in_all_directions),
