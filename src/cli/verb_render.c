@@ -31,12 +31,7 @@ static pith_status render_surface(const cli_model *opened, const cli_line *line,
     if (count == 0) return nothing_left(opened, err);
     PITH_TRY(pith_model_view(opened->model, &(pith_camera){ 0 }, &options, err));
     cli_apply_params(line, &pith_render_params, &options);
-    pith_box box = pith_box_empty();
-    for (size_t i = 0; i < count; ++i) {
-        const pith_shell_view shell = pith_shell_look(items[i].shell);
-        for (uint32_t v = 0; v < shell.vertex_count; ++v)
-            pith_box_add(&box, pith_add(shell.positions[v], items[i].offset));
-    }
+    const pith_box box = pith_render_box(items, count);
     const double aspect = (double)options.width / options.height;
     const pith_camera camera = cli_place_camera(&asked->camera, opened->document, &box, aspect);
     pith_image *image = NULL;

@@ -45,9 +45,8 @@ static pith_status build_solids(pith_model *model, pith_error *err)
 }
 
 /* What was turned and is whole is seen without facets. Lapped solids are asked by tets, which only the shell knows. */
-static pith_status show_exactly(pith_model *model, const pith_model_piece *piece, pith_render_item *item, pith_error *err)
+static pith_status show_exactly(pith_model *model, pith_model *body, pith_render_item *item, pith_error *err)
 {
-    pith_model *body = model_body(model, piece->body);
     if (body->body->shape != SHAPE_TURNED || body->body->displaced || model_cuts(model)->count > 0) return PITH_OK;
     if (body->body->solids[body->body->solid].kind == SOLID_LAPPED) return PITH_OK;
     if (!body->quadrics) PITH_TRY(turned_quadrics(body->body, &body->quadrics, &body->quadric_count, err));
@@ -73,12 +72,12 @@ static pith_status build_items(pith_model *model, pith_error *err)
     pith_status status = PITH_OK;
     for (size_t i = 0; status == PITH_OK && i < count; ++i) {
         if (pieces[i].hidden) continue;
-        const pith_model *body = model_body(model, pieces[i].body);
+        pith_model *body = model_body(model, pieces[i].body);
         pith_render_item *item = &items[model->item_count++];
         *item = (pith_render_item){ .shell = pieces[i].shell, .solid = body->solid, .offset = pieces[i].offset,
                                     .reflectivity = body->body->finish.reflectivity };
         model->scene[model->item_count - 1] = *item;
-        status = show_exactly(model, &pieces[i], &model->scene[model->item_count - 1], err);
+        status = show_exactly(model, body, &model->scene[model->item_count - 1], err);
     }
     if (status == PITH_OK) model->items = items;
     else pith_free(items);

@@ -5,7 +5,7 @@
 
 static const pith_function *const all[] = {
     &node_position.shown,  &node_normal.shown,    &node_view.shown,      &node_light.shown,      &node_direction.shown,
-    &node_place.shown,     &node_transform.shown, &node_warp.shown,      &node_repeat.shown,     &node_point.shown,
+    &node_place.shown,     &node_transform.shown, &node_warp.shown,      &node_repeat.shown, &node_flatten.shown,     &node_point.shown,
     &node_noise.shown,     &node_slope.shown,     &node_fractal.shown,   &node_turbulence.shown, &node_cellular.shown,
     &node_phasor.shown,    &node_rings.shown,     &node_checks.shown,    &node_bombs.shown,      &node_waves.shown,
     &node_veins.shown,     &node_table.shown,     &node_project.shown,   &node_number.shown,     &node_colour.shown,

@@ -50,7 +50,7 @@ static inline uint64_t node_seed(const node_build *build, uint64_t own)
 
 /* What is asked for: the engine fills these, they have no `run`. */
 extern const node_class node_position, node_normal, node_view, node_light, node_direction;
-extern const node_class node_place, node_transform, node_warp, node_repeat, node_point;     /* points */
+extern const node_class node_place, node_transform, node_warp, node_repeat, node_flatten, node_point;     /* points */
 extern const node_class node_number, node_colour, node_component, node_dot, node_luminance; /* values */
 extern const node_class node_combine, node_mix, node_curve, node_map;                       /* combinations */
 extern const node_class node_noise, node_slope, node_fractal, node_turbulence, node_cellular, node_phasor; /* lattice */

@@ -81,7 +81,7 @@ typedef struct pyramid {
     float *owned;               /* the levels above the first */
 } pyramid;
 
-/* What a pyramid is made over: cell-centred values, borrowed. */
+/* What a pyramid is made over: cell-centred values; copied. */
 typedef struct pyramid_base {
     const float *values;
     uint32_t size[3], stride, channels; /* the first channels <= 4 of stride count */

@@ -244,6 +244,32 @@ const node_class node_repeat = {
     .run = run_repeat,
 };
 
+/* ---- flatten -------------------------------------------------------------------------------------------------------- */
+
+static const char *const axis_words[] = { "x", "y", "z", NULL };
+typedef struct flatten_options {
+    uint32_t along;
+} flatten_options;
+static const pith_param flatten_items[] = {
+    { "along", "1", "the axis along which everything is the same", PITH_PARAM_CHOICE, 0, 2, 2,
+      offsetof(flatten_options, along), axis_words },
+};
+static const pith_params flatten_params = { "flatten", flatten_items, 1, sizeof(flatten_options) };
+
+static void run_flatten(const void *state, const lanes *const *inputs, uint32_t input_count, uint32_t count, lanes *out)
+{
+    (void)input_count, (void)count;
+    memcpy(out, inputs[0], sizeof *out);
+    memset(out->v[((const flatten_options *)state)->along], 0, sizeof out->v[0]);
+}
+
+const node_class node_flatten = {
+    .shown = { "flatten", "The point without its part along an axis: what is looked up there is cast along it, as an "
+               "orthogonal projection (Peachey 1985, §4.2) of what stands in the plane.", PITH_VALUE_POINT, at_input,
+               &flatten_params, 0 },
+    .run = run_flatten,
+};
+
 /* ---- point ------------------------------------------------------------------------------------------------------------- */
 
 static const pith_input point_inputs[] = {

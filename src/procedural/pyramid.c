@@ -90,13 +90,14 @@ static float level_variance(const pyramid_base *base, const pyramid_level *level
 pith_status pyramid_make(const pyramid_base *base, pyramid *made, pith_error *err)
 {
     pyramid p = { .count = 1, .channels = base->channels };
-    p.level[0] = (pyramid_level){ .values = base->values, .stride = base->stride };
+    p.level[0] = (pyramid_level){ .stride = base->channels };
     for (int a = 0; a < 3; ++a) {
         p.level[0].size[a] = base->size[a], p.level[0].texel[a] = (float)base->texel[a];
         p.wrap[a] = base->wrap[a];
     }
     p.level[0].variance = level_variance(base, &p.level[0]);
-    size_t values[PYRAMID_LEVELS] = { 0 }, all = 0;
+    const size_t cells = (size_t)base->size[0] * base->size[1] * base->size[2];
+    size_t values[PYRAMID_LEVELS] = { cells * p.channels }, all = values[0];
     for (; p.count < PYRAMID_LEVELS && next_size(&p.level[p.count - 1], &p.level[p.count]); ++p.count) {
         pyramid_level *level = &p.level[p.count];
         level->stride = p.channels;
@@ -106,7 +107,10 @@ pith_status pyramid_make(const pyramid_base *base, pyramid *made, pith_error *er
     }
     p.owned = pith_alloc(all, sizeof *p.owned);
     if (!p.owned) return PITH_OUT_OF_MEMORY(err, "a pyramid");
-    float *to = p.owned;
+    for (size_t i = 0; i < cells; ++i)
+        memcpy(p.owned + i * p.channels, base->values + i * base->stride, p.channels * sizeof *p.owned);
+    p.level[0].values = p.owned;
+    float *to = p.owned + values[0];
     for (uint32_t i = 1; i < p.count; to += values[i], ++i) {
         const pith_status status = reduce(&p.level[i - 1], &p.level[i], p.channels, base->clear, to, err);
         if (status != PITH_OK) {
