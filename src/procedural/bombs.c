@@ -1,7 +1,7 @@
 /* Bombing in three dimensions (Peachey 1985, section 4.1; Schachter and Ahuja, "Random pattern generation processes",
    CGIP 10, 1979): balls, or shapes given as small tables, dropped at random places of a cube that repeats. A grid of cells
    with lists replaces the search through all bombs. Inside, the cube has the edge 1. */
-#include "patterns.h"
+#include "bomb_shape.h"
 
 #include <string.h>
 
@@ -54,17 +54,13 @@ typedef struct bombs {
     drop *drops;                /* of each cell, the last dropped first: it lies on top */
     bomb *bombs;                /* [count] */
     bool tables;
-    pyramid shape;              /* of a table; texels in its own unit cube */
-    float sharp;                /* the footprint under which a table's own texels are seen */
+    bomb_shape shape;           /* the table's */
     float *texels;              /* base of the pyramid: 1 channel, or number * cover and cover */
     pyramid means;              /* for footprints that reach beyond the lists */
     float listed;               /* footprints up to this one are answered from the lists */
 } bombs;
 
 /* ---- one bomb under a filter -------------------------------------------------------------------------------------- */
-
-/* What one bomb is at a point: how much of the footprint's ball it covers, and the mean depth there. */
-typedef struct hit { float cover, depth; } hit;
 
 /* The integral of (1 + k v)(1 - v²)(a - b v). */
 static inline double shell_sum(double v, double k, double a, double b)
@@ -86,11 +82,11 @@ static double mean_over_ball(double d, double R, double r, double a, double b)
     return sum;
 }
 
-static inline hit hit_ball(const drop *b, const float p[3], float diameter, bool depth)
+static inline bomb_hit hit_ball(const drop *b, const float p[3], float diameter, bool depth)
 {
     const float x = p[0] - b->middle[0], y = p[1] - b->middle[1], z = p[2] - b->middle[2], r = b->radius;
     const float square = x * x + y * y + z * z, R = 0.5f * diameter;
-    hit h = { 0.0f, 0.0f };
+    bomb_hit h = { 0.0f, 0.0f };
     if (!(square < (r + R) * (r + R))) return h;
     const float d = sqrtf(square);
     if (d + R <= r && (d >= R || !depth)) { /* wholly inside; the mean distance over a ball is d + R² / 5d */
@@ -103,26 +99,14 @@ static inline hit hit_ball(const drop *b, const float p[3], float diameter, bool
     return h;
 }
 
-/* A table's bomb is where the table is above 1/2. Magnified, this edge is as sharp as the footprint; where the footprint
-   is wider than texels, their mean is what it covers. */
-static hit hit_table(const bombs *all, const drop *one, const float p[3], float diameter)
+static bomb_hit hit_table(const bombs *all, const drop *one, const float p[3], float diameter)
 {
     const bomb *b = &all->bombs[one->bomb];
     const float from[3] = { p[0] - one->middle[0], p[1] - one->middle[1], p[2] - one->middle[2] };
-    const float own = diameter / (2.0f * one->radius);
-    float at[3], share = 1.0f, value;
-    for (int a = 0; a < 3; ++a) {
+    float at[3];
+    for (int a = 0; a < 3; ++a)
         at[a] = 0.5f + b->turn[a][0] * from[0] + b->turn[a][1] * from[1] + b->turn[a][2] * from[2];
-        share *= share_inside(at[a], own * BALL_BOX);
-    }
-    hit h = { 0.0f, 0.0f };
-    if (!(share > 0.0f)) return h;
-    pyramid_at(&all->shape, at, BALL_VARIANCE * own * own, &value);
-    value *= share;
-    h.cover = own < 1e-4f * all->sharp ? (value >= 0.5f ? 1.0f : 0.0f)
-                                       : clamp_unit(0.5f + (value - 0.5f) * fmaxf(1.0f, all->sharp / own));
-    h.depth = clamp_unit(2.0f * value - 1.0f);
-    return h;
+    return bomb_shape_at(&all->shape, at, diameter / (2.0f * one->radius));
 }
 
 /* ---- all bombs at a place ----------------------------------------------------------------------------------------- */
@@ -141,7 +125,7 @@ INLINE void listed_at(const bombs *all, const float p[3], float diameter, bombs_
     float clear = 1.0f, sum = 0.0f;
     for (uint32_t i = all->start[at]; i < all->start[at + 1] && clear > 0.0f; ++i) {
         const drop *d = &all->drops[i];
-        const hit h = tables ? hit_table(all, d, p, diameter) : hit_ball(d, p, diameter, what == BOMBS_DEPTH);
+        const bomb_hit h = tables ? hit_table(all, d, p, diameter) : hit_ball(d, p, diameter, what == BOMBS_DEPTH);
         const float share = what == BOMBS_DEPTH ? h.depth : h.cover;
         if (what == BOMBS_NUMBER && share > 0.0f) sum += clear * share * all->bombs[d->bomb].number;
         clear *= 1.0f - share;
@@ -289,35 +273,12 @@ static pith_status mean_bombs(bombs *all, uint32_t size, pith_error *err)
     return pyramid_make(&base, &all->means, err);
 }
 
-static pith_status shape_of(const pith_grid *grid, bombs *all, pith_error *err)
-{
-    const uint32_t channels = grid->channels;
-    if (channels != 1 && channels != 2 && channels != 4)
-        return pith_fail(err, PITH_BAD_ARGUMENT,
-                         "grid: has %u channels; the shape of a bomb is a grid with 1, or the opacity of one with 2 or 4",
-                         (unsigned)channels);
-    if (!grid->values || grid->size[0] < 1 || grid->size[1] < 1 || grid->size[2] < 1)
-        return pith_fail(err, PITH_BAD_ARGUMENT, "grid: is empty");
-    pyramid_base base = { .values = grid->values + (channels == 1 ? 0 : channels - 1), .stride = channels, .channels = 1,
-                          .wrap = { WRAP_CLAMP, WRAP_CLAMP, WRAP_CLAMP } };
-    double sum = 0.0, squares = 0.0;
-    int axes = 0;
-    for (int a = 0; a < 3; ++a) {
-        base.size[a] = grid->size[a], base.texel[a] = 1.0 / grid->size[a];
-        sum += base.texel[a] / 3.0;
-        if (grid->size[a] > 1) squares += base.texel[a] * base.texel[a], ++axes;
-    }
-    base.spent = axes ? 0.25 * squares / axes : 0.0;
-    all->sharp = (float)sum;
-    return pyramid_make(&base, &all->shape, err);
-}
-
 static void bombs_release(void *state)
 {
     bombs *all = state;
     if (!all) return;
     pyramid_free(&all->means);
-    pyramid_free(&all->shape);
+    bomb_shape_free(&all->shape);
     pith_free(all->texels);
     pith_free(all->drops);
     pith_free(all->start);
@@ -357,7 +318,7 @@ static pith_status bombs_prepare(const node_build *build, void **state, pith_err
     pith_status status = all->bombs ? PITH_OK : PITH_OUT_OF_MEMORY(err, "bombs");
     if (status == PITH_OK) {
         drop_bombs(build, o, all);
-        if (grid) status = shape_of(grid, all, err);
+        if (grid) status = bomb_shape_make(grid, &all->shape, err);
     }
     if (status == PITH_OK) status = list_bombs(all, o->count, 0.5 * (double)all->listed, err);
     if (status == PITH_OK) status = mean_bombs(all, size, err);

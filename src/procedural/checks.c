@@ -11,10 +11,10 @@ static const pith_params checks_params = { "checks", checks_items, 1, sizeof(che
 /* Along one axis: +1 in even cells, -1 in odd ones; the mean over a box about u, its integral being a triangle wave. */
 INLINE float alternation(float u, float width)
 {
-    const float low = u - 0.5f * width, high = u + 0.5f * width;
+    const float place = u - 2.0f * floorf(0.5f * u), low = place - 0.5f * width, high = place + 0.5f * width;
     const float in_low = low - 2.0f * floorf(0.5f * low), in_high = high - 2.0f * floorf(0.5f * high);
     const float area = fabsf(in_low - 1.0f) - fabsf(in_high - 1.0f);
-    const float point = u - 2.0f * floorf(0.5f * u) < 1.0f ? 1.0f : -1.0f;
+    const float point = place < 1.0f ? 1.0f : -1.0f;
     return high - low > 1e-5f ? area / (high - low) : point;
 }
 

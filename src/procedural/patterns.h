@@ -97,8 +97,15 @@ typedef struct pyramid_base {
 pith_status pyramid_make(const pyramid_base *base, pyramid *made, pith_error *err);
 void pyramid_free(pyramid *made);
 
-/* The mean about a place (0..1 along each axis) under a filter of this variance per axis, [channels]: trilinear in two
-   levels, mixed so that the variance is the one asked for. Safe for any place: NaN reads the first cells. */
+/* Between two levels, `place` of the way from the variance of the finer to that of the coarser, which lies `gap` above.
+   The coarser has the weight place², so that it comes in late; the finer is asked at the corners of a tetrahedron, whose
+   spread makes up the variance: (1 - place²) spread² + place² gap = place gap. Both ends are the levels themselves, and
+   it is half as far from a ball as a plain mixture of two levels. */
+extern const float tetrahedron[4][3];
+static inline float tetrahedron_spread(float place, float gap) { return sqrtf(gap * place / (1.0f + place)); }
+
+/* The mean about a place (0..1 along each axis) under a filter of this variance per axis, [channels]; linear between cells.
+   Safe for any place: NaN reads the first cells. */
 void pyramid_at(const pyramid *from, const float at[3], float variance, float *out);
 
 /* RGBA from 1 (grey), 2 (grey, opacity), 3 (RGB) or 4 channels. */

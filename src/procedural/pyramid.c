@@ -1,6 +1,8 @@
 /* Pyramids of means over 2D and 3D tables (Williams 1983), and their value under a filter. */
 #include "patterns.h"
 
+const float tetrahedron[4][3] = { { 1, 1, 1 }, { 1, -1, -1 }, { -1, 1, -1 }, { -1, -1, 1 } };
+
 #include <string.h>
 
 /* ---- making ------------------------------------------------------------------------------------------------------- */
@@ -186,18 +188,33 @@ INLINE void tap(const pyramid_level *l, const pyramid_wrap wrap[3], const float 
     for (uint32_t c = 0; c < channels; ++c) out[c] = flat ? plane[0][c] : plane[0][c] + wz * (plane[1][c] - plane[0][c]);
 }
 
+INLINE void between(const pyramid *p, const pyramid_level *fine, const float at[3], float place, float gap,
+                    uint32_t channels, bool flat, float *out)
+{
+    const float late = place * place, spread = tetrahedron_spread(place, gap);
+    float step[3], sum[4] = { 0 }, one[4];
+    for (int a = 0; a < 3; ++a) step[a] = spread / (fine->texel[a] * (float)fine->size[a]);
+    for (int t = 0; t < 4; ++t) {
+        const float beside[3] = { at[0] + tetrahedron[t][0] * step[0], at[1] + tetrahedron[t][1] * step[1],
+                                  at[2] + tetrahedron[t][2] * step[2] };
+        tap(fine, p->wrap, beside, channels, flat, one);
+        for (uint32_t c = 0; c < channels; ++c) sum[c] += 0.25f * one[c];
+    }
+    tap(fine + 1, p->wrap, at, channels, flat, one);
+    for (uint32_t c = 0; c < channels; ++c) out[c] = sum[c] + late * (one[c] - sum[c]);
+}
+
 INLINE void ask(const pyramid *p, const float at[3], float variance, uint32_t channels, bool flat, float *out)
 {
     uint32_t i = 0;
     while (i + 1 < p->count && p->level[i + 1].variance <= variance) ++i;
-    const pyramid_level *fine = &p->level[i], *coarse = fine + 1;
-    tap(fine, p->wrap, at, channels, flat, out);
-    if (i + 1 == p->count || !(variance > fine->variance)) return;
-    /* Variances of mixtures mix as their weights. */
-    const float w = (variance - fine->variance) / (coarse->variance - fine->variance);
-    float wider[4];
-    tap(coarse, p->wrap, at, channels, flat, wider);
-    for (uint32_t c = 0; c < channels; ++c) out[c] += w * (wider[c] - out[c]);
+    const pyramid_level *fine = &p->level[i];
+    if (i + 1 == p->count || !(variance > fine->variance)) {
+        tap(fine, p->wrap, at, channels, flat, out);
+    } else {
+        const float gap = fine[1].variance - fine->variance;
+        between(p, fine, at, (variance - fine->variance) / gap, gap, channels, flat, out);
+    }
 }
 
 void pyramid_at(const pyramid *from, const float at[3], float variance, float *out)

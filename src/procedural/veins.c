@@ -207,7 +207,7 @@ static pith_status veins_prepare(const node_build *build, void **state, pith_err
 
 /* ---- running ------------------------------------------------------------------------------------------------------ */
 
-/* Trilinear between the eight texels about a place, 0..1 along each axis. */
+/* Trilinear between the eight texels about a place, 0..1 along each axis, or a few texels beyond. */
 static inline float texels_at(const veins *v, float x, float y, float z)
 {
     const uint32_t mask = v->size - 1;
@@ -227,6 +227,18 @@ static inline float texels_at(const veins *v, float x, float y, float z)
     return first + wz * (second - first);
 }
 
+/* Between the bits and the first means of them, as pyramids go from level to level. */
+static float below_means(const veins *v, const float at[3], float place)
+{
+    const float finest = v->means.level[0].variance, step = tetrahedron_spread(place, finest) / (float)v->size;
+    float sum = 0.0f, mean;
+    for (int t = 0; t < 4; ++t)
+        sum += 0.25f * texels_at(v, at[0] + tetrahedron[t][0] * step, at[1] + tetrahedron[t][1] * step,
+                                 at[2] + tetrahedron[t][2] * step);
+    pyramid_at(&v->means, at, finest, &mean);
+    return sum + place * place * (mean - sum);
+}
+
 static void veins_run(const void *state, const lanes *const *inputs, uint32_t input_count, uint32_t count, lanes *out)
 {
     (void)input_count;
@@ -237,11 +249,12 @@ static void veins_run(const void *state, const lanes *const *inputs, uint32_t in
     for (uint32_t i = 0; i < count; ++i) {
         const float d = footprint_of(at, i), variance = v->scale * d * d, finest = v->means.level[0].variance;
         const float place[3] = { unit[0][i], unit[1][i], unit[2][i] };
-        float fine = 0.0f, mean = 0.0f;
-        if (variance < finest) fine = texels_at(v, place[0], place[1], place[2]);
-        if (variance > 0.0f) pyramid_at(&v->means, place, variance, &mean);
-        const float w = variance < finest ? variance / finest : 1.0f;
-        out->v[0][i] = fine + w * (mean - fine);
+        if (!(variance > 0.0f))
+            out->v[0][i] = texels_at(v, place[0], place[1], place[2]);
+        else if (variance < finest)
+            out->v[0][i] = below_means(v, place, variance / finest);
+        else
+            pyramid_at(&v->means, place, variance, &out->v[0][i]);
     }
 }
 

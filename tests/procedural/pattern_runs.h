@@ -16,7 +16,7 @@ static inline void set_options(const node_class *class, const char *words, void 
 {
     const pith_params *table = class->shown.params;
     pith_params_defaults(table, options);
-    char copy[400], *save = NULL;
+    char copy[800], *save = NULL;
     snprintf(copy, sizeof copy, "%s", words);
     for (char *word = strtok_r(copy, " ", &save); word; word = strtok_r(NULL, " ", &save)) {
         char *value = strchr(word, '=');

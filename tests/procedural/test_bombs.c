@@ -95,10 +95,10 @@ static void test_bombs_are_filtered(void **state)
     pattern inside = make(&node_bombs, ""), depth = make(&node_bombs, "what=depth"), number = make(&node_bombs, "what=number");
     for (double footprint = 0.01; footprint < 1; footprint *= 2) {
         distances d = filter_distances(&inside, NULL, 3, footprint, 200, 1);
-        CHECK_AT_MOST(d.filtered, 0.035);
+        CHECK_AT_MOST(d.filtered, 0.06);
         CHECK_AT_MOST(d.filtered, 0.2 * d.plain);
         d = filter_distances(&depth, NULL, 3, footprint, 200, 2);
-        CHECK_AT_MOST(d.filtered, 0.015);
+        CHECK_AT_MOST(d.filtered, 0.025);
         CHECK_AT_MOST(d.filtered, 0.3 * d.plain);
         d = filter_distances(&number, &inside, 3, footprint, 200, 3);
         CHECK_AT_MOST(d.filtered, 0.1);
@@ -168,12 +168,12 @@ static void test_tables_are_shapes(void **state)
             const double x = pith_rng_unit(&rng), y = pith_rng_unit(&rng), z = pith_rng_unit(&rng);
             differ += fabs((double)number_at(&table, x, y, z, 0) - (double)number_at(&balls, x, y, z, 0)) > 1e-6;
         }
-        print_message("    a ball as a table: %.2f %% differ\n", differ / 40.0);
+        print_message("    a ball as a table: %d of 4000 points differ\n", differ);
         CHECK_AT_MOST(differ, 60);
         if (what == 0)
             for (double footprint = 0.01; footprint < 1; footprint *= 3) {
                 const distances d = filter_distances(&table, NULL, 3, footprint, 200, 1);
-                CHECK_AT_MOST(d.filtered, 0.05);
+                CHECK_AT_MOST(d.filtered, 0.065);
                 CHECK_AT_MOST(d.filtered, 0.3 * d.plain);
             }
         check_lanes(&table, 2);
