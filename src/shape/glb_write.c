@@ -32,9 +32,10 @@ void glb_add_vector(glb_writer *writer, pith_vec3 v)
 json_int_t glb_add_view(glb_writer *writer, size_t start, int target)
 {
     const json_int_t index = (json_int_t)json_array_size(writer->views);
-    glb_append(writer, writer->views,
-               json_pack("{s:i, s:I, s:I, s:i}", "buffer", 0, "byteOffset", (json_int_t)start, "byteLength",
-                         (json_int_t)(writer->binary.size - start), "target", target));
+    json_t *view = json_pack("{s:i, s:I, s:I}", "buffer", 0, "byteOffset", (json_int_t)start, "byteLength",
+                             (json_int_t)(writer->binary.size - start));
+    if (target) glb_set(writer, view, "target", json_integer(target));
+    glb_append(writer, writer->views, view);
     return index;
 }
 
