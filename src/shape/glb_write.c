@@ -39,6 +39,11 @@ json_int_t glb_add_view(glb_writer *writer, size_t start, int target)
     return index;
 }
 
+void glb_set_stride(glb_writer *writer, json_int_t view, int bytes)
+{
+    glb_set(writer, json_array_get(writer->views, (size_t)view), "byteStride", json_integer(bytes));
+}
+
 json_int_t glb_add_accessor(glb_writer *writer, json_int_t view, size_t offset, uint32_t count, int component,
                             const char *type)
 {
