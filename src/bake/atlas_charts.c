@@ -212,32 +212,44 @@ static void list_members(atlas *a)
     }
 }
 
-/* Puts them so that each lies beside an earlier one; where a chart falls apart, island by island. */
+/* Triangles connected with the first one inside its chart, from `filled` on in the queue; returns the queue's new end. */
+static uint32_t flood(const atlas *a, uint32_t first, uint32_t *queue, uint32_t filled, bool *seen)
+{
+    uint32_t next = filled;
+    seen[first] = true;
+    for (queue[filled++] = first; next < filled; ++next)
+        for (int k = 0; k < 3; ++k) {
+            const uint32_t mate = a->surface.mates[queue[next]][k];
+            if (mate == PITH_NONE || seen[mate] || a->chart_of[mate] != a->chart_of[first]) continue;
+            seen[mate] = true;
+            queue[filled++] = mate;
+        }
+    return filled;
+}
+
+/* Puts every chart's triangles so that each lies beside an earlier one. What does not hang together with its chart's first
+   triangle leaves the chart. */
 static pith_status order_members(atlas *a, pith_error *err)
 {
-    uint32_t *queue = pith_alloc(a->surface.triangle_count, sizeof *queue);
-    bool *seen = pith_alloc(a->surface.triangle_count, sizeof *seen);
-    if (queue && seen)
-        for (uint32_t c = 0; c < a->chart_count; ++c) {
-            const atlas_chart *chart = &a->charts[c];
-            uint32_t filled = 0, next = 0;
-            for (uint32_t i = 0; i < chart->count; ++i) {
-                const uint32_t island = a->order[chart->first + i];
-                if (seen[island]) continue;
-                seen[island] = true;
-                for (queue[filled++] = island; next < filled; ++next)
-                    for (int k = 0; k < 3; ++k) {
-                        const uint32_t mate = a->surface.mates[queue[next]][k];
-                        if (mate == PITH_NONE || a->chart_of[mate] != c || seen[mate]) continue;
-                        seen[mate] = true;
-                        queue[filled++] = mate;
-                    }
-            }
-            memcpy(a->order + chart->first, queue, filled * sizeof *queue);
+    bool *seen = pith_alloc(a->surface.triangle_count, sizeof *seen), *begun = pith_alloc(a->chart_count, sizeof *begun);
+    uint32_t filled = 0;
+    for (uint32_t t = 0; seen && begun && t < a->surface.triangle_count; ++t) {
+        const uint32_t c = a->chart_of[t];
+        if (c == PITH_NONE || seen[t]) continue;
+        const uint32_t first = filled;
+        filled = flood(a, t, a->order, filled, seen);
+        if (!begun[c]) {
+            a->charts[c].first = first;
+            a->charts[c].count = filled - first;
+            begun[c] = true;
+            continue;
         }
-    const bool made = queue && seen;
-    pith_free(queue);
+        for (uint32_t i = first; i < filled; ++i) a->chart_of[a->order[i]] = PITH_NONE;
+        filled = first;
+    }
+    const bool made = seen && begun;
     pith_free(seen);
+    pith_free(begun);
     return made ? PITH_OK : PITH_OUT_OF_MEMORY(err, "the charts' triangles");
 }
 
@@ -395,12 +407,12 @@ static pith_status merge(growth *g, pith_vec3 *facets, pith_error *err)
 pith_status atlas_chart_rest(atlas *a, pith_error *err)
 {
     growth g = { .atlas = a, .cosine = atlas_cone_cosine(a->options) };
-    pith_status status = grow_rest(&g, err);
-    pith_free(g.heap);
+    pith_status status = order_members(a, err);
+    if (status == PITH_OK) status = grow_rest(&g, err);
     if (status == PITH_OK) status = renumber(a, err);
-    if (status != PITH_OK) return status;
-    list_members(a);
-    return order_members(a, err);
+    if (status == PITH_OK) status = order_members(a, err);
+    pith_free(g.heap);
+    return status;
 }
 
 pith_status atlas_make_charts(atlas *a, pith_error *err)
@@ -415,7 +427,6 @@ pith_status atlas_make_charts(atlas *a, pith_error *err)
         for (int i = 0; i < RELAXATIONS; ++i) PITH_TRY_OR(done, relax(&g, facets, err));
         PITH_TRY_OR(done, merge(&g, facets, err));
     }
-    list_members(a);
     status = order_members(a, err);
 done:
     pith_free(facets);

@@ -9,6 +9,7 @@
 #include "atlas_internal.h"
 
 enum { TURNS = 12, WIDTHS = 32, RECTANGLES = 90 };
+static const double slack = 1e-7; /* texels: rounding must not put a chart's rim into the texel beside */
 
 typedef struct slope { double a, b; } slope;
 
@@ -92,9 +93,9 @@ static bool settle(atlas *a, atlas_chart *chart)
         }
     for (uint32_t m = 0; m < chart->count; ++m)
         for (int k = 0; k < 3; ++k)
-            for (int d = 0; d < 2; ++d) a->places[a->order[chart->first + m]][k][d] += margin - low[d];
-    const double width = floor(high[0] - low[0]) + 1.0 + 2.0 * margin, most = a->options->max_size;
-    const double height = floor(high[1] - low[1]) + 1.0 + 2.0 * margin;
+            for (int d = 0; d < 2; ++d) a->places[a->order[chart->first + m]][k][d] += margin + slack - low[d];
+    const double width = floor(high[0] - low[0] + 2.0 * slack) + 1.0 + 2.0 * margin, most = a->options->max_size;
+    const double height = floor(high[1] - low[1] + 2.0 * slack) + 1.0 + 2.0 * margin;
     if (!(width <= most && height <= most)) return false;
     chart->width = (uint32_t)width;
     chart->height = (uint32_t)height;

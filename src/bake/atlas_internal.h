@@ -28,7 +28,7 @@ void atlas_surface_free(atlas_surface *surface);
 
 typedef struct atlas_chart {
     pith_vec3 axis;                 /* all its facets are turned from it by no more than the limit */
-    uint32_t first, count;          /* its triangles in atlas.order, beside an earlier one where there is one */
+    uint32_t first, count;          /* its triangles in atlas.order, each but the first beside an earlier one */
     uint32_t width, height;         /* texels with margins; after packing as it lies */
     uint32_t x, y;                  /* of the lower left corner in the atlas, texels */
     bool flat;                      /* coordinates are made and nothing lies over itself */
@@ -49,7 +49,7 @@ void atlas_free(atlas *atlas);
 
 /* Divides the surface into charts whose facets lie within the cone that the stretch allows. */
 pith_status atlas_make_charts(atlas *atlas, pith_error *err);
-/* Makes charts of the triangles that are in none, and puts every chart's triangles in order. */
+/* Makes charts of the triangles that are in none, and of what no longer hangs together with its chart. */
 pith_status atlas_chart_rest(atlas *atlas, pith_error *err);
 /* Cosine of the largest turn from a chart's axis. */
 double atlas_cone_cosine(const pith_atlas_options *options);
