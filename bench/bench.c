@@ -15,6 +15,7 @@ static const bench benches[] = {
     { "layers", "the patches over each triangle of a kiwi's section and skin, for composers", bench_layers },
     { "blend", "contrast where patches overlap, and what keeping it costs", bench_blend },
     { "volume", "translucent pictures of a fibrous tube", bench_volume },
+    { "atlas", "texture atlases of shipped models: texels a second, charts, use of the atlas", bench_atlas },
 };
 enum { BENCH_COUNT = sizeof benches / sizeof *benches };
 
