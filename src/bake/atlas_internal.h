@@ -1,6 +1,7 @@
 /* What the files of the atlas bake share: the surface that is to be flattened, its charts, and where they lie. The steps,
    in order: atlas_surface.c gathers, atlas_charts.c divides into charts, atlas_flatten.c lays them flat, atlas_overlap.c
-   finds what would lie over itself, atlas_pack.c places the charts, atlas_texels.c asks the solids, atlas.c does it all. */
+   finds what would lie over itself, atlas_pack.c places the charts, atlas_texels.c asks the solids, atlas_gaps.c fills
+   what is left; atlas.c does it all. */
 #ifndef PITH_BAKE_ATLAS_INTERNAL_H
 #define PITH_BAKE_ATLAS_INTERNAL_H
 
@@ -81,5 +82,7 @@ double atlas_nearest(const atlas *atlas, uint32_t triangle, const double at[2], 
 /* Asks the solids and filters the answers into the picture, [height][width][4] straight alpha. */
 pith_status atlas_fill(const atlas *atlas, const pith_progress *progress, pith_image *image, pith_atlas_report *report,
                        pith_error *err);
+/* Gives the texels of opacity below 0 colours from around. */
+pith_status atlas_fill_gaps(pith_image *image, pith_error *err);
 
 #endif

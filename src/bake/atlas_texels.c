@@ -329,24 +329,6 @@ static pith_status fill_tiles(const fill *f, uint32_t first, uint32_t end, uint6
     return failed == PITH_NONE ? PITH_OK : pith_fail(err, worst.status, "%s", worst.message);
 }
 
-/* What no chart needs gets the mean of all that charts do: nothing strange shows in the coarsest mip levels. */
-static void fill_gaps(pith_image *image)
-{
-    const size_t texels = (size_t)image->width * image->height;
-    double sum[4] = { 0.0 };
-    size_t count = 0;
-    for (size_t i = 0; i < texels; ++i) {
-        const float *p = image->pixels + 4 * i;
-        for (int c = 0; p[3] >= 0.0f && c < 4; ++c) sum[c] += (double)p[c];
-        count += p[3] >= 0.0f;
-    }
-    for (size_t i = 0; count > 0 && i < texels; ++i) {
-        float *p = image->pixels + 4 * i;
-        for (int c = 0; c < 3 && p[3] < 0.0f; ++c) p[c] = (float)(sum[c] / (double)count);
-        if (p[3] < 0.0f) p[3] = (float)(sum[3] / (double)count);
-    }
-}
-
 pith_status atlas_fill(const atlas *a, const pith_progress *progress, pith_image *image, pith_atlas_report *report,
                        pith_error *err)
 {
@@ -373,7 +355,7 @@ pith_status atlas_fill(const atlas *a, const pith_progress *progress, pith_image
         PITH_TRY_OR(done, pith_progress_step(progress, 0.2 + 0.8 * first / tiles, "asking the solid", err));
         PITH_TRY_OR(done, fill_tiles(&f, first, tiles - first < group ? tiles : first + group, &filled, err));
     }
-    fill_gaps(image);
+    PITH_TRY_OR(done, atlas_fill_gaps(image, err));
     report->filled = (double)filled / ((double)image->width * image->height);
 done:
     for (size_t i = 0; i < a->surface.item_count; ++i) pith_free(f.weights[i]);
