@@ -16,6 +16,7 @@ static const bench benches[] = {
     { "blend", "contrast where patches overlap, and what keeping it costs", bench_blend },
     { "volume", "translucent pictures of a fibrous tube", bench_volume },
     { "procedural", "noise and the functions on it: points per second on one core", bench_procedural },
+    { "atlas", "texture atlases of shipped models: texels a second, charts, use of the atlas", bench_atlas },
 };
 enum { BENCH_COUNT = sizeof benches / sizeof *benches };
 

@@ -56,6 +56,18 @@ pith_status pith_mesh_parse(const char *name, const char *format, const void *by
  *  floats in GLB. */
 pith_status pith_mesh_write(const pith_mesh *mesh, const char *path, pith_error *err);
 
+/** A picture to go with a mesh's texture coordinates. */
+typedef struct pith_texture {
+    const void *png;        /* [size] a PNG file's bytes, borrowed */
+    size_t size;
+    double roughness;       /* 0 a mirror … 1 chalk */
+    bool transparent;       /* its alpha is looked at */
+} pith_texture;
+/** Writes a mesh with its picture: GLB with the picture inside, or OBJ with an .mtl and the .png of the same name beside
+ *  it. All files or none. PITH_BAD_ARGUMENT: another extension, a mesh without texture coordinates, no picture. */
+pith_status pith_mesh_write_textured(const pith_mesh *mesh, const pith_texture *texture, const char *path,
+                                     pith_error *err);
+
 /** Welds vertices of equal position (relative tolerance 1e-12 of the box's diagonal), drops degenerate and duplicate
  *  triangles and unused vertices, turns triangles consistently and each closed component outward (a component inside
  *  another an odd number of times is a cavity and is turned inward), and counts what is left wrong. Makes a new mesh.
