@@ -46,6 +46,9 @@ typedef struct project {
     bool empty, round;          /* clear beyond the image; goes round the z axis */
     float size[2];              /* of the image, pixels */
     float across, up;           /* pixels per unit of the map, the unit being each projection's own */
+    double inverse[2];          /* orthogonal: 1 / what repeats, and that in pixels; repeats: it does */
+    float span[2];
+    bool repeats;
     pyramid pixels;
 } project;
 
@@ -71,6 +74,10 @@ static void set_scales(project *made, const project_options *o)
     default: across = up = 0.5 * w / map_radius(made->projection, o->reach * pi / 180.0); break;
     }
     made->across = (float)across, made->up = (float)up;
+    const double images = o->wrap == PROJECT_MIRROR ? 2.0 : 1.0;
+    made->inverse[0] = 1.0 / (images * o->width), made->inverse[1] = 1.0 / (images * o->height);
+    made->span[0] = (float)(images * w), made->span[1] = (float)(images * h);
+    made->repeats = o->wrap == PROJECT_REPEAT || o->wrap == PROJECT_MIRROR;
 }
 
 static pith_status project_prepare(const node_build *build, void **state, pith_error *err)
@@ -184,13 +191,6 @@ static inline spot round_axis(const project *p, float x, float y, float z)
     return s;
 }
 
-static inline spot spot_of(const project *p, float x, float y, float z)
-{
-    if (p->projection == ORTHOGONAL)
-        return (spot){ x * p->across, y * p->up, { 1.0f, 0.0f }, { p->across, p->up } };
-    return p->round ? round_axis(p, x, y, z) : about_pole(p, x, y, z);
-}
-
 /* ---- running ------------------------------------------------------------------------------------------------------ */
 
 /* Adds one look at the pyramid to sums of opacity and of colours by opacity. deviation: of its filter, pixels. */
@@ -215,9 +215,14 @@ static void project_run(const void *state, const lanes *const *inputs, uint32_t 
     (void)input_count;
     const project *p = state;
     const lanes *at = inputs[0];
+    const bool flat = p->projection == ORTHOGONAL;
     const float most = fmaxf(p->size[0], p->size[1]);
+    _Alignas(32) float unit[2][LANES];
+    for (int a = 0; flat && a < 2; ++a) unit_places(at->v[a], count, 0.0, p->inverse[a], p->repeats, unit[a]);
     for (uint32_t i = 0; i < count; ++i) {
-        const spot s = spot_of(p, at->v[0][i], at->v[1][i], at->v[2][i]);
+        const float x = at->v[0][i], y = at->v[1][i], z = at->v[2][i];
+        const spot s = flat ? (spot){ unit[0][i] * p->span[0], unit[1][i] * p->span[1], { 1, 0 }, { p->across, p->up } }
+                            : p->round ? round_axis(p, x, y, z) : about_pole(p, x, y, z);
         const float sigma = BALL_SIGMA * footprint_of(at, i);
         const float first = sigma > 0.0f ? fminf(sigma * s.scale[0], most) : 0.0f;
         const float second = sigma > 0.0f ? fminf(sigma * s.scale[1], most) : 0.0f;
