@@ -1,4 +1,5 @@
-/* Projections: each map's own property from its Jacobian, by differences of the answers; orientation, borders, filters. */
+/* Projections: each map's own property from its Jacobian, by differences of the answers; orientation, borders,
+   filters. */
 #include "pattern_runs.h"
 
 enum { SIDE = 64 };
@@ -24,7 +25,8 @@ static pith_image *squares(uint32_t width, uint32_t height, uint32_t edge, uint3
     for (uint32_t j = 0; j < height; ++j)
         for (uint32_t i = 0; i < width; ++i)
             for (uint32_t c = 0; c < channels; ++c)
-                image->pixels[((size_t)j * width + i) * channels + c] = c == 3 ? 1.0f : (float)((i / edge + j / edge) & 1);
+                image->pixels[((size_t)j * width + i) * channels + c] =
+                    c == 3 ? 1.0f : (float)((i / edge + j / edge) & 1);
     return image;
 }
 
@@ -68,7 +70,11 @@ enum { CONFORMAL = 1, EQUAL_AREA = 2, MERIDIANS = 4 };
 static void test_maps_keep_what_they_promise(void **state)
 {
     (void)state;
-    static const struct { const char *words; int keeps; double low, high; } maps[] = {
+    static const struct {
+        const char *words;
+        int keeps;
+        double low, high;
+    } maps[] = {
         { "projection=mercator", CONFORMAL, -1.1, 1.1 },
         { "projection=stereographic reach=150", CONFORMAL, -0.7, 1.4 },
         { "projection=lambert_cylindrical", EQUAL_AREA, -1.1, 1.1 },
@@ -85,7 +91,8 @@ static void test_maps_keep_what_they_promise(void **state)
             double first_area = NAN, first_meridian = NAN, angle = 0.0, area = 0.0, meridian = 0.0;
             bool conformal = true, equivalent = true, equidistant = true;
             for (int n = 0; n < 200; ++n) {
-                const double longitude = -2.4 + 4.8 * (n % 20) / 19, latitude = maps[m].low + (maps[m].high - maps[m].low) * (n / 20) / 9;
+                const double longitude = -2.4 + 4.8 * (n % 20) / 19,
+                             latitude = maps[m].low + (maps[m].high - maps[m].low) * (n / 20) / 9;
                 double j[2][2];
                 jacobian(&p, longitude, latitude, pixels, j);
                 const double ee = j[0][0] * j[0][0] + j[1][0] * j[1][0], nn = j[0][1] * j[0][1] + j[1][1] * j[1][1];
@@ -114,8 +121,13 @@ static void test_places_by_formula(void **state)
     const double pi = 3.14159265358979;
     pith_image *image = places(256, 128);
     const pith_node assets = { .image = image };
-    static const char *const words[] = { "orthogonal width=2 height=3", "cylindrical height=3", "spherical", "mercator",
-                                         "lambert_cylindrical", "stereographic", "lambert_azimuthal reach=120",
+    static const char *const words[] = { "orthogonal width=2 height=3",
+                                         "cylindrical height=3",
+                                         "spherical",
+                                         "mercator",
+                                         "lambert_cylindrical",
+                                         "stereographic",
+                                         "lambert_azimuthal reach=120",
                                          "azimuthal_equidistant reach=180" };
     pith_rng rng = pith_rng_make(4, 4);
     for (int m = 0; m < 8; ++m) {
@@ -127,20 +139,36 @@ static void test_places_by_formula(void **state)
             const double l = atan2(q.y, q.x), f = asin(q.z / pith_length(q)), c = pi / 2 - f, aspect = 0.5;
             double u = l / (2 * pi) + 0.5, v = 0, r = 0, edge = 1;
             switch (m) {
-            case 0: u = q.x / 2, v = q.y / 3; break;
-            case 1: v = q.z / 3; break;
-            case 2: v = f / pi + 0.5; break;
-            case 3: v = atanh(sin(f)) / (2 * pi * aspect) + 0.5; break;
-            case 4: v = 0.5 + 0.5 * sin(f); break;
-            case 5: r = tan(c / 2), edge = tan(pi / 4); break;
-            case 6: r = sin(c / 2), edge = sin(pi / 3); break;
-            default: r = c, edge = pi; break;
+            case 0:
+                u = q.x / 2, v = q.y / 3;
+                break;
+            case 1:
+                v = q.z / 3;
+                break;
+            case 2:
+                v = f / pi + 0.5;
+                break;
+            case 3:
+                v = atanh(sin(f)) / (2 * pi * aspect) + 0.5;
+                break;
+            case 4:
+                v = 0.5 + 0.5 * sin(f);
+                break;
+            case 5:
+                r = tan(c / 2), edge = tan(pi / 4);
+                break;
+            case 6:
+                r = sin(c / 2), edge = sin(pi / 3);
+                break;
+            default:
+                r = c, edge = pi;
+                break;
             }
             if (m >= 5) u = 0.5 + 0.5 * r / edge * cos(l), v = 0.5 + 0.5 * r / edge * sin(l) / aspect;
             const float point[1][3] = { { (float)q.x, (float)q.y, (float)q.z } };
             float out[1][4];
             ask(&p, point, NULL, 1, out);
-            const double margin = fmax(fabs(u - 0.5) , fabs(v - 0.5));
+            const double margin = fmax(fabs(u - 0.5), fabs(v - 0.5));
             if (margin > 0.5001) CHECK_NEAR((double)out[0][3], 0, 0);
             if (margin > 0.495) continue; /* half a pixel from the border */
             CHECK_NEAR((double)out[0][0], u, 2e-6);
@@ -192,10 +220,17 @@ static void test_projections_are_filtered(void **state)
     pith_image *image = squares(256, 256, 11, 4);
     const pith_node assets = { .image = image };
     static const char *const words[] = {
-        "projection=orthogonal wrap=repeat", "projection=orthogonal wrap=repeat width=0.25", "projection=cylindrical wrap=repeat",
-        "projection=spherical", "projection=mercator wrap=repeat", "projection=lambert_cylindrical",
-        "projection=stereographic reach=150 wrap=mirror", "projection=lambert_azimuthal reach=180",
-        "projection=azimuthal_equidistant reach=180", "projection=orthogonal wrap=empty", "projection=cylindrical copies=3",
+        "projection=orthogonal wrap=repeat",
+        "projection=orthogonal wrap=repeat width=0.25",
+        "projection=cylindrical wrap=repeat",
+        "projection=spherical",
+        "projection=mercator wrap=repeat",
+        "projection=lambert_cylindrical",
+        "projection=stereographic reach=150 wrap=mirror",
+        "projection=lambert_azimuthal reach=180",
+        "projection=azimuthal_equidistant reach=180",
+        "projection=orthogonal wrap=empty",
+        "projection=cylindrical copies=3",
     };
     for (int m = 0; m < 11; ++m) {
         pattern p = make_from(&node_project, words[m], &assets);
@@ -222,7 +257,8 @@ static void test_constants_stay(void **state)
         char text[100];
         snprintf(text, sizeof text, "wrap=clamp projection=%d", m);
         pattern p = make_from(&node_project, text, &assets);
-        static const float points[][3] = { { 0, 0, 1 }, { 0, 0, -1 }, { 0, 0, 0 }, { -1, 0, 0 }, { -1, -1e-9f, 0.2f }, { 0.3f, 0.2f, 5 },
+        static const float points[][3] = { { 0, 0, 1 },       { 0, 0, -1 },         { 0, 0, 0 },
+                                           { -1, 0, 0 },      { -1, -1e-9f, 0.2f }, { 0.3f, 0.2f, 5 },
                                            { 1e-20f, 0, -1 }, { 1e-4f, 1e-5f, -1 }, { 30, -40, 2 } };
         for (int i = 0; i < 9; ++i)
             for (float footprint = 0; footprint < 100; footprint = 3 * footprint + 0.01f) {
@@ -242,7 +278,8 @@ static void test_refusals_and_the_rest(void **state)
     const pith_node assets = { .image = image };
     pattern p;
     CHECK_FAILS(prepare(&node_project, "", NULL, &p), PITH_BAD_ARGUMENT, "image: is missing");
-    CHECK_FAILS(prepare(&node_project, "projection=stereographic reach=180", &assets, &p), PITH_BAD_ARGUMENT, "infinitely far");
+    CHECK_FAILS(prepare(&node_project, "projection=stereographic reach=180", &assets, &p), PITH_BAD_ARGUMENT,
+                "infinitely far");
     for (int m = 0; m < 8; ++m)
         for (int w = 0; w < 4; ++w) {
             char text[100];

@@ -39,8 +39,10 @@ static void test_tables_agree_with_grids(void **state)
                 pith_grid_sample(grid, place, wraps, value);
                 ask(&p, at, NULL, 1, out);
                 for (uint32_t c = 0; c < 4; ++c) {
-                    double expected = c < 3 ? (double)value[channels < 3 ? 0 : c]
-                                            : channels == 2 ? (double)value[1] : channels >= 4 ? (double)value[3] : 1;
+                    double expected = c < 3           ? (double)value[channels < 3 ? 0 : c]
+                                      : channels == 2 ? (double)value[1]
+                                      : channels >= 4 ? (double)value[3]
+                                                      : 1;
                     if (w == 2 && !inside) expected = 0;
                     CHECK_NEAR((double)out[0][c], expected, 5e-6);
                 }

@@ -27,19 +27,23 @@ static void test_the_function_is_trilinear_between_bits(void **state)
             const int d[3] = { c & 1, c >> 1 & 1, c >> 2 };
             double weight = 1.0;
             for (int a = 0; a < 3; ++a) weight *= d[a] ? w[a] : 1 - w[a];
-            value += weight * (double)bits[(cell[2] + d[2]) & (N - 1)][(cell[1] + d[1]) & (N - 1)][(cell[0] + d[0]) & (N - 1)];
+            value += weight *
+                     (double)bits[(cell[2] + d[2]) & (N - 1)][(cell[1] + d[1]) & (N - 1)][(cell[0] + d[0]) & (N - 1)];
         }
         CHECK_NEAR((double)number_at(&p, at[0], at[1], at[2], 0), value, 2e-5);
     }
     release(&p);
 }
 
-/* Straight veins are cylinders with round ends: their share of the volume is known, but for overlaps, which are met with
-   the probability of the volume itself. */
+/* Straight veins are cylinders with round ends: their share of the volume is known, but for overlaps, which are met
+   with the probability of the volume itself. */
 static void test_the_share_of_the_volume(void **state)
 {
     (void)state;
-    static const struct { const char *words; double veins, length, radius; } cases[] = {
+    static const struct {
+        const char *words;
+        double veins, length, radius;
+    } cases[] = {
         { "veins=30 length=1 radius=0.03 radius_variation=0 wander=0", 30, 1, 0.03 },
         { "veins=10 length=3 radius=0.02 radius_variation=0 wander=0", 10, 3, 0.02 },
         { "veins=100 length=0.5 radius=0.01 radius_variation=0 wander=0 resolution=256", 100, 0.5, 0.01 },
@@ -111,9 +115,11 @@ static void test_refusals(void **state)
 {
     (void)state;
     pattern p;
-    CHECK_FAILS(prepare(&node_veins, "resolution=100", NULL, &p), PITH_BAD_ARGUMENT, "resolution is 100, expected a power of two");
+    CHECK_FAILS(prepare(&node_veins, "resolution=100", NULL, &p), PITH_BAD_ARGUMENT,
+                "resolution is 100, expected a power of two");
     CHECK_FAILS(prepare(&node_veins, "radius=0.002", NULL, &p), PITH_BAD_ARGUMENT, "less than half a texel");
-    CHECK_FAILS(prepare(&node_veins, "veins=10000 radius=0.2 resolution=512", NULL, &p), PITH_BAD_ARGUMENT, "too much drawing");
+    CHECK_FAILS(prepare(&node_veins, "veins=10000 radius=0.2 resolution=512", NULL, &p), PITH_BAD_ARGUMENT,
+                "too much drawing");
 }
 
 static void test_what_holds_of_every_pattern(void **state)
