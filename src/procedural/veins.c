@@ -13,13 +13,13 @@ typedef struct veins_options {
 } veins_options;
 
 static const pith_param veins_items[] = {
-    { "veins", "1", "number of veins in one period", PITH_PARAM_UINT, 1, 40, 10000, offsetof(veins_options, veins),
+    { "veins", "1", "number of veins in one period", PITH_PARAM_UINT, 1, 48, 10000, offsetof(veins_options, veins),
       NULL },
     { "resolution", "1", "texels along an edge of the table, a power of two; more draws finer veins", PITH_PARAM_UINT,
       16, 128, 512, offsetof(veins_options, resolution), NULL },
     { "period", "model units", "edge of the cube that repeats", PITH_PARAM_DOUBLE, 1e-6, 1, 1e6,
       offsetof(veins_options, period), NULL },
-    { "length", "periods", "of a vein", PITH_PARAM_DOUBLE, 0.05, 1.5, 20, offsetof(veins_options, length), NULL },
+    { "length", "periods", "of a vein", PITH_PARAM_DOUBLE, 0.05, 2, 20, offsetof(veins_options, length), NULL },
     { "radius", "periods", "mean radius of a vein", PITH_PARAM_DOUBLE, 0.001, 0.015, 0.25,
       offsetof(veins_options, radius), NULL },
     { "radius_variation", "1", "how far the radius varies along a vein, as a share of it", PITH_PARAM_DOUBLE, 0, 0.6, 1,

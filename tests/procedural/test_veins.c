@@ -65,7 +65,7 @@ static void test_the_share_of_the_volume(void **state)
     }
     /* Wandering makes veins longer, but not by much; varying radii make them thicker by the mean of their squares. */
     pattern p = make(&node_veins, "");
-    const double standard = (double)number_at(&p, 0, 0, 0, 100), straight = 40 * 3.14159 * 0.015 * 0.015 * 1.5;
+    const double standard = (double)number_at(&p, 0, 0, 0, 100), straight = 48 * 3.14159 * 0.015 * 0.015 * 2;
     print_message("    standard veins: %.4f of the volume\n", standard);
     CHECK_AT_LEAST(standard, 0.9 * straight);
     CHECK_AT_MOST(standard, 2.5 * straight);
