@@ -36,7 +36,7 @@ static void fill_cells(bomb_shape *s, int parts)
 {
     const size_t rows = (size_t)s->size[1] * s->size[2];
     const float part = 1.0f / (float)(parts * parts * parts);
-#pragma omp parallel for num_threads(pith_threads()) schedule(static)
+#pragma omp parallel for num_threads(pith_threads()) schedule(static) if (rows * s->size[0] > 10000)
     for (size_t r = 0; r < rows; ++r)
         for (uint32_t i = 0; i < s->size[0]; ++i) {
             const size_t cell[3] = { i, r % s->size[1], r / s->size[1] };
@@ -57,9 +57,10 @@ pith_status bomb_shape_make(const pith_grid *grid, bomb_shape *shape, pith_error
 {
     const uint32_t channels = grid->channels;
     if (channels != 1 && channels != 2 && channels != 4)
-        return pith_fail(err, PITH_BAD_ARGUMENT,
-                         "grid: has %u channels; the shape of a bomb is a grid with 1, or the opacity of one with 2 or 4",
-                         (unsigned)channels);
+        return pith_fail(
+            err, PITH_BAD_ARGUMENT,
+            "grid: has %u channels; the shape of a bomb is a grid with 1, or the opacity of one with 2 or 4",
+            (unsigned)channels);
     if (!grid->values || grid->size[0] < 1 || grid->size[1] < 1 || grid->size[2] < 1)
         return pith_fail(err, PITH_BAD_ARGUMENT, "grid: is empty");
     bomb_shape s = { .field = grid->values + (channels == 1 ? 0 : channels - 1), .stride = channels };
@@ -100,9 +101,10 @@ bomb_hit bomb_shape_at(const bomb_shape *s, const float at[3], float footprint)
     float share = 1.0f;
     for (int a = 0; a < 3; ++a) share *= share_inside(at[a], footprint * BALL_BOX);
     if (!(share > 0.0f)) return h;
-    /* Up to a cell the edge is a plane as far away as the field's slope says; from sqrt 5 cells on, the means' own filter,
-       they answer alone. */
-    const float wide = footprint / s->texel, mean = clamp_unit((wide - 1.0f) / 1.236f), soft = clamp_unit(0.2f * wide * wide);
+    /* Up to a cell the edge is a plane as far away as the field's slope says; from sqrt 5 cells on, the means' own
+       filter, they answer alone. */
+    const float wide = footprint / s->texel, mean = clamp_unit((wide - 1.0f) / 1.236f),
+                soft = clamp_unit(0.2f * wide * wide);
     if (mean < 1.0f) {
         float g[3];
         const float above = field_at(s, at, g) - 0.5f, slope = sqrtf(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);

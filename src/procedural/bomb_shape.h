@@ -13,8 +13,8 @@ typedef struct bomb_shape {
     pyramid means;              /* of cells */
 } bomb_shape;
 
-/* How much of the ball of a footprint a shape covers, and the mean depth there, which goes from 0 where the table is 1/2 to
-   1 where it is 1. */
+/* How much of the ball of a footprint a shape covers, and the mean depth there, which goes from 0 where the table is
+   1/2 to 1 where it is 1. */
 typedef struct bomb_hit { float cover, depth; } bomb_hit;
 
 /* From a grid with one channel, or the opacity of one with 2 or 4; borrows its values. */

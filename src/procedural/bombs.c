@@ -1,6 +1,6 @@
 /* Bombing in three dimensions (Peachey 1985, section 4.1; Schachter and Ahuja, "Random pattern generation processes",
-   CGIP 10, 1979): balls, or shapes given as small tables, dropped at random places of a cube that repeats. A grid of cells
-   with lists replaces the search through all bombs. Inside, the cube has the edge 1. */
+   CGIP 10, 1979): balls, or shapes given as small tables, dropped at random places of a cube that repeats. A grid of
+   cells with lists replaces the search through all bombs. Inside, the cube has the edge 1. */
 #include "bomb_shape.h"
 
 #include <string.h>
@@ -28,39 +28,43 @@ static const pith_param bombs_items[] = {
     { "slope", "1", "how rare large bombs are: numbers fall with the radius to this power; 0: all radii alike",
       PITH_PARAM_DOUBLE, 0, 0, 8, offsetof(bombs_options, slope), NULL },
     { "what", "1",
-      "inside: 1 in bombs, 0 beside them; depth: from 0 at the edge to 1 in the middle; number: 0 to 1, of the bomb on top",
+      "inside: 1 in bombs, 0 beside them; depth: from 0 at the edge to 1 in the middle; number: 0 to 1, of the bomb on "
+      "top",
       PITH_PARAM_CHOICE, 0, 0, 2, offsetof(bombs_options, what), what_words },
-    { "seed", "1", "another seed, other bombs", PITH_PARAM_SEED, 0, 1, 9007199254740992.0, offsetof(bombs_options, seed),
-      NULL },
+    { "seed", "1", "another seed, other bombs", PITH_PARAM_SEED, 0, 1, 9007199254740992.0,
+      offsetof(bombs_options, seed), NULL },
 };
 static const pith_params bombs_params = { "bombs", bombs_items, sizeof bombs_items / sizeof *bombs_items,
                                           sizeof(bombs_options) };
 
 typedef struct bomb {
     pith_vec3 middle;
-    double radius, reach;       /* reach: of the ball that holds it */
-    float number;               /* in 0..1, the bomb's own */
-    float turn[3][3];           /* of a table: rows, from the cube to the table's unit cube about its middle */
+    double radius, reach; /* reach: of the ball that holds it */
+    float number;         /* in 0..1, the bomb's own */
+    float turn[3][3];     /* of a table: rows, from the cube to the table's unit cube about its middle */
 } bomb;
 
 /* A bomb, or a copy of it beyond the border, as a cell sees it. */
-typedef struct drop { float middle[3], radius; uint32_t bomb; } drop;
+typedef struct drop {
+    float middle[3], radius;
+    uint32_t bomb;
+} drop;
 
 typedef struct bombs {
     bombs_what what;
-    double inverse;             /* 1 / period */
-    uint32_t cells;             /* along an edge */
-    uint32_t *start;            /* [cells³ + 1] into drops */
-    drop *drops;                /* of each cell, the last dropped first: it lies on top */
-    bomb *bombs;                /* [count] */
+    double inverse;  /* 1 / period */
+    uint32_t cells;  /* along an edge */
+    uint32_t *start; /* [cells³ + 1] into drops */
+    drop *drops;     /* of each cell, the last dropped first: it lies on top */
+    bomb *bombs;     /* [count] */
     bool tables;
-    bomb_shape shape;           /* the table's */
-    float *texels;              /* base of the pyramid: 1 channel, or number * cover and cover */
-    pyramid means;              /* for footprints that reach beyond the lists */
-    float listed;               /* footprints up to this one are answered from the lists */
+    bomb_shape shape; /* the table's */
+    float *texels;    /* base of the pyramid: 1 channel, or number * cover and cover */
+    pyramid means;    /* for footprints that reach beyond the lists */
+    float listed;     /* footprints up to this one are answered from the lists */
 } bombs;
 
-/* ---- one bomb under a filter -------------------------------------------------------------------------------------- */
+/* ---- one bomb under a filter ------------------------------------------------------------------------------------- */
 
 /* The integral of (1 + k v)(1 - v²)(a - b v). */
 static inline double shell_sum(double v, double k, double a, double b)
@@ -69,8 +73,9 @@ static inline double shell_sum(double v, double k, double a, double b)
     return v * (a + v * (0.5 * c1 + v * (c2 / 3.0 + v * (-0.25 * c1 + v * 0.2 * c4))));
 }
 
-/* The mean of g(s) = a' - s b' (s < r, else 0) over a ball of radius R at distance d from the middle of g. Of the sphere of
-   radius s = d + R v, the share (R² - (s - d)²) / (4 s d) lies in the ball; spheres up to R - d lie in it as a whole. Exact. */
+/* The mean of g(s) = a - b s (s < r, else 0) over a ball of radius R at distance d from the middle of g. Of the
+   sphere of radius s = d + R v, the share (R² - (s - d)²) / (4 s d) lies in the ball; spheres up to R - d lie in it as
+   a whole. Exact. */
 static double mean_over_ball(double d, double R, double r, double a, double b)
 {
     const double inner = d < R ? fmin(R - d, r) : 0.0, t = inner / R;
@@ -109,10 +114,10 @@ static bomb_hit hit_table(const bombs *all, const drop *one, const float p[3], f
     return bomb_shape_at(&all->shape, at, diameter / (2.0f * one->radius));
 }
 
-/* ---- all bombs at a place ----------------------------------------------------------------------------------------- */
+/* ---- all bombs at a place ---------------------------------------------------------------------------------------- */
 
-/* From the lists: out[0] the answer, for a number out[0] = number * cover and out[1] = cover. Bombs are taken to cover a
-   footprint independently of each other: what is left clear is the product of what each leaves. */
+/* From the lists: out[0] the answer, for a number out[0] = number * cover and out[1] = cover. Bombs are taken to cover
+   a footprint independently of each other: what is left clear is the product of what each leaves. */
 INLINE void listed_at(const bombs *all, const float p[3], float diameter, bombs_what what, bool tables, float out[2])
 {
     const float n = (float)all->cells;
@@ -152,9 +157,10 @@ static void ask_lists(const bombs *all, const float p[3], float diameter, float 
     }
 }
 
-/* ---- preparing ---------------------------------------------------------------------------------------------------- */
+/* ---- preparing --------------------------------------------------------------------------------------------------- */
 
-/* Uniform among rotations (Shoemake, Graphics Gems III, 1992), scaled so that the table's cube becomes the unit cube. */
+/* Uniform among rotations (Shoemake, Graphics Gems III, 1992), scaled so that the table's cube becomes the unit cube.
+   */
 static void random_turn(pith_rng *rng, double radius, float turn[3][3])
 {
     const double u = pith_rng_unit(rng), a = 6.283185307179586 * pith_rng_unit(rng),
@@ -220,8 +226,8 @@ static void list_bomb(bombs *all, uint32_t index, double margin, bool fill)
                 }
                 if (square > reach * reach) continue;
                 if (fill)
-                    all->drops[all->start[cell]++] = (drop){ { (float)middle[0], (float)middle[1], (float)middle[2] },
-                                                             (float)b->radius, index };
+                    all->drops[all->start[cell]++] =
+                        (drop){ { (float)middle[0], (float)middle[1], (float)middle[2] }, (float)b->radius, index };
                 else
                     ++all->start[cell + 1];
             }
@@ -257,7 +263,7 @@ static pith_status mean_bombs(bombs *all, uint32_t size, pith_error *err)
     const double edge = 1.0 / size;
     all->texels = pith_alloc((size_t)size * size * size, channels * sizeof *all->texels);
     if (!all->texels) return PITH_OUT_OF_MEMORY(err, "the means of bombs");
-#pragma omp parallel for num_threads(pith_threads()) schedule(static)
+#pragma omp parallel for num_threads(pith_threads()) schedule(static) if (size > 32)
     for (size_t r = 0; r < (size_t)size * size; ++r)
         for (uint32_t i = 0; i < size; ++i) {
             const float p[3] = { (float)((i + 0.5) * edge), (float)(((double)(r % size) + 0.5) * edge),
@@ -267,8 +273,12 @@ static pith_status mean_bombs(bombs *all, uint32_t size, pith_error *err)
             memcpy(all->texels + (r * size + i) * channels, out, channels * sizeof *out);
         }
     const pyramid_base base = {
-        .values = all->texels, .size = { size, size, size }, .stride = channels, .channels = channels,
-        .texel = { edge, edge, edge }, .wrap = { WRAP_REPEAT, WRAP_REPEAT, WRAP_REPEAT },
+        .values = all->texels,
+        .size = { size, size, size },
+        .stride = channels,
+        .channels = channels,
+        .texel = { edge, edge, edge },
+        .wrap = { WRAP_REPEAT, WRAP_REPEAT, WRAP_REPEAT },
     };
     return pyramid_make(&base, &all->means, err);
 }
@@ -308,8 +318,8 @@ static pith_status bombs_prepare(const node_build *build, void **state, pith_err
     all->what = (bombs_what)o->what;
     all->inverse = 1.0 / o->period;
     all->tables = grid != NULL;
-    /* Texels of the means so fine that there are some two cells to a bomb, each sqrt 5 texels wide: the lists then answer
-       for footprints of a cell's edge, where the means' own filter, of half a texel's deviation, takes over. */
+    /* Texels of the means so fine that there are some two cells to a bomb, each sqrt 5 texels wide: the lists then
+       answer for footprints of a cell's edge, where the means' own filter, of half a texel's deviation, takes over. */
     uint32_t size = 16;
     while (size < 64 && pow(size / sqrt(5.0), 3.0) < 2.0 * o->count) size *= 2;
     all->cells = (uint32_t)(size / sqrt(5.0));
@@ -329,7 +339,7 @@ static pith_status bombs_prepare(const node_build *build, void **state, pith_err
     return status;
 }
 
-/* ---- running ------------------------------------------------------------------------------------------------------ */
+/* ---- running ----------------------------------------------------------------------------------------------------- */
 
 static void bombs_run(const void *state, const lanes *const *inputs, uint32_t input_count, uint32_t count, lanes *out)
 {

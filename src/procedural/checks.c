@@ -1,10 +1,13 @@
 /* A checkerboard in three dimensions, filtered by a box: the product of three integrals. */
 #include "patterns.h"
 
-typedef struct checks_options { double size; } checks_options;
+typedef struct checks_options {
+    double size;
+} checks_options;
 
 static const pith_param checks_items[] = {
-    { "size", "model units", "edge of a cube", PITH_PARAM_DOUBLE, 1e-6, 0.1, 1e6, offsetof(checks_options, size), NULL },
+    { "size", "model units", "edge of a cube", PITH_PARAM_DOUBLE, 1e-6, 0.1, 1e6, offsetof(checks_options, size),
+      NULL },
 };
 static const pith_params checks_params = { "checks", checks_items, 1, sizeof(checks_options) };
 

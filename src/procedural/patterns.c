@@ -2,7 +2,8 @@
 #include "patterns.h"
 
 const pith_input pattern_inputs[2] = {
-    { "at", "where to look the pattern up; without it the position asked for", PITH_VALUE_POINT, false, false, false, 0 },
+    { "at", "where to look the pattern up; without it the position asked for", PITH_VALUE_POINT, false, false, false,
+      0 },
     { 0 },
 };
 

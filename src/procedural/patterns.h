@@ -5,17 +5,20 @@
 
 #include "node.h"
 
-/* ---- the filter --------------------------------------------------------------------------------------------------- */
+/* ---- the filter -------------------------------------------------------------------------------------------------- */
 
 /* An answer with a footprint is the mean over the ball of that diameter: an area's orientation is not known to a node.
-   Where this mean has no closed form, a kernel of the same variance along each axis, diameter² / 20, stands in for it: a
-   box BALL_BOX diameters wide, a Gaussian with a deviation of BALL_SIGMA diameters, or texels of a pyramid. */
+   Where this mean has no closed form, a kernel of the same variance along each axis, diameter² / 20, stands in for it:
+   a box BALL_BOX diameters wide, a Gaussian with a deviation of BALL_SIGMA diameters, or texels of a pyramid. */
 #define BALL_VARIANCE 0.05f
 #define BALL_SIGMA 0.223606798f
 #define BALL_BOX 0.774596669f
 
 /* The footprint of a lane; what is no positive number asks for the point itself. */
-static inline float footprint_of(const lanes *at, uint32_t lane) { return at->v[3][lane] > 0.0f ? at->v[3][lane] : 0.0f; }
+static inline float footprint_of(const lanes *at, uint32_t lane)
+{
+    return at->v[3][lane] > 0.0f ? at->v[3][lane] : 0.0f;
+}
 
 static inline float clamp_unit(float x) { return x > 0.0f ? (x < 1.0f ? x : 1.0f) : 0.0f; }
 
@@ -27,7 +30,7 @@ static inline float share_inside(float x, float width)
     return (high - low) / width < 1.0f ? (high - low) / width : 1.0f;
 }
 
-/* ---- code for wide registers -------------------------------------------------------------------------------------- */
+/* ---- code for wide registers ------------------------------------------------------------------------------------- */
 
 /* A loop over lanes is written once, as a function that is always inlined, and compiled twice: for any machine, and for
    those with AVX2. Without contraction of products and sums both give the same bits. */
@@ -49,7 +52,7 @@ void checks_run_plain(const void *state, const lanes *const *inputs, uint32_t in
 void waves_run_plain(const void *state, const lanes *const *inputs, uint32_t input_count, uint32_t count, lanes *out);
 void unit_places_plain(const float *x, uint32_t count, double origin, double inverse, bool wrap, float *unit);
 
-/* ---- inputs and places -------------------------------------------------------------------------------------------- */
+/* ---- inputs and places ------------------------------------------------------------------------------------------- */
 
 /* The one input of all these functions, `at`. */
 extern const pith_input pattern_inputs[2];
@@ -59,7 +62,7 @@ extern const pith_input pattern_inputs[2];
    whole_lanes(count) <= LANES. */
 void unit_places(const float *x, uint32_t count, double origin, double inverse, bool wrap, float *unit);
 
-/* ---- pyramids ----------------------------------------------------------------------------------------------------- */
+/* ---- pyramids ---------------------------------------------------------------------------------------------------- */
 
 enum { PYRAMID_LEVELS = 16 };
 
@@ -92,20 +95,20 @@ typedef struct pyramid_base {
     pyramid_wrap wrap[3];
 } pyramid_base;
 
-/* Halves the axes with the smallest texels until one texel is left. PITH_NO_MEMORY. About a third of the base's cost and,
-   for a 3D table, a seventh of its memory. */
+/* Halves the axes with the smallest texels until one texel is left; for a 3D table the levels take a seventh of its
+   memory. PITH_NO_MEMORY. */
 pith_status pyramid_make(const pyramid_base *base, pyramid *made, pith_error *err);
 void pyramid_free(pyramid *made);
 
-/* Between two levels, `place` of the way from the variance of the finer to that of the coarser, which lies `gap` above.
-   The coarser has the weight place², so that it comes in late; the finer is asked at the corners of a tetrahedron, whose
-   spread makes up the variance: (1 - place²) spread² + place² gap = place gap. Both ends are the levels themselves, and
-   it is half as far from a ball as a plain mixture of two levels. */
+/* Between two levels, `place` of the way from the variance of the finer to that of the coarser, which lies `gap`
+   above. The coarser has the weight place², so that it comes in late; the finer is asked at the corners of a
+   tetrahedron, whose spread makes up the variance: (1 - place²) spread² + place² gap = place gap. Both ends are the
+   levels themselves, and it is half as far from a ball as a plain mixture of two levels. */
 extern const float tetrahedron[4][3];
 static inline float tetrahedron_spread(float place, float gap) { return sqrtf(gap * place / (1.0f + place)); }
 
-/* The mean about a place (0..1 along each axis) under a filter of this variance per axis, [channels]; linear between cells.
-   Safe for any place: NaN reads the first cells. */
+/* The mean about a place (0..1 along each axis) under a filter of this variance per axis, [channels]; linear between
+   cells. Safe for any place: NaN reads the first cells. */
 void pyramid_at(const pyramid *from, const float at[3], float variance, float *out);
 
 /* RGBA from 1 (grey), 2 (grey, opacity), 3 (RGB) or 4 channels. */

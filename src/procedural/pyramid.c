@@ -5,11 +5,14 @@ const float tetrahedron[4][3] = { { 1, 1, 1 }, { 1, -1, -1 }, { -1, 1, -1 }, { -
 
 #include <string.h>
 
-/* ---- making ------------------------------------------------------------------------------------------------------- */
+/* ---- making ------------------------------------------------------------------------------------------------------ */
 
 /* Which cells of a finer axis a cell of the coarser one covers, and their shares: at most three, as sizes are at most
    halved and an odd one is rounded up. */
-typedef struct cover { uint32_t first, count; float share[3]; } cover;
+typedef struct cover {
+    uint32_t first, count;
+    float share[3];
+} cover;
 
 /* Cell i of m covers i n .. (i + 1) n, cell j of n covers j m .. (j + 1) m, in parts of the axis. */
 static void cover_axis(uint32_t n, uint32_t m, cover *cells)
@@ -26,8 +29,7 @@ static void cover_axis(uint32_t n, uint32_t m, cover *cells)
 }
 
 /* The mean of the cells under one coarser cell; colours weigh as they are opaque, or alike where all is clear. */
-static void mean_cell(const pyramid_level *fine, const cover *const c[3], uint32_t channels, bool clear,
-                      float *out)
+static void mean_cell(const pyramid_level *fine, const cover *const c[3], uint32_t channels, bool clear, float *out)
 {
     float plain[4] = { 0 }, weighted[4] = { 0 }, opacity = 0.0f;
     for (uint32_t k = 0; k < c[2]->count; ++k)
@@ -54,7 +56,7 @@ static pith_status reduce(const pyramid_level *fine, const pyramid_level *coarse
     cover *axis[3] = { cells, cells + m[0], cells + m[0] + m[1] };
     for (int a = 0; a < 3; ++a) cover_axis(n[a], m[a], axis[a]);
     const size_t rows = (size_t)m[1] * m[2];
-#pragma omp parallel for num_threads(pith_threads()) schedule(static)
+#pragma omp parallel for num_threads(pith_threads()) schedule(static) if (rows * m[0] > 100000)
     for (size_t r = 0; r < rows; ++r)
         for (uint32_t i = 0; i < m[0]; ++i) {
             const cover *const c[3] = { &axis[0][i], &axis[1][r % m[1]], &axis[2][r / m[1]] };
@@ -132,7 +134,7 @@ void pyramid_free(pyramid *made)
     made->owned = NULL;
 }
 
-/* ---- asking ------------------------------------------------------------------------------------------------------- */
+/* ---- asking ------------------------------------------------------------------------------------------------------ */
 
 /* A coordinate brought into 0..1. */
 INLINE float fold(float x, pyramid_wrap wrap)
@@ -185,7 +187,8 @@ INLINE void tap(const pyramid_level *l, const pyramid_wrap wrap[3], const float 
             plane[k][c] = a + wy * (b - a);
         }
     }
-    for (uint32_t c = 0; c < channels; ++c) out[c] = flat ? plane[0][c] : plane[0][c] + wz * (plane[1][c] - plane[0][c]);
+    for (uint32_t c = 0; c < channels; ++c)
+        out[c] = flat ? plane[0][c] : plane[0][c] + wz * (plane[1][c] - plane[0][c]);
 }
 
 INLINE void between(const pyramid *p, const pyramid_level *fine, const float at[3], float place, float gap,
@@ -221,9 +224,17 @@ void pyramid_at(const pyramid *from, const float at[3], float variance, float *o
 {
     const bool flat = from->level[0].size[2] == 1;
     switch (from->channels) {
-    case 1: flat ? ask(from, at, variance, 1, true, out) : ask(from, at, variance, 1, false, out); break;
-    case 2: flat ? ask(from, at, variance, 2, true, out) : ask(from, at, variance, 2, false, out); break;
-    case 3: flat ? ask(from, at, variance, 3, true, out) : ask(from, at, variance, 3, false, out); break;
-    default: flat ? ask(from, at, variance, 4, true, out) : ask(from, at, variance, 4, false, out); break;
+    case 1:
+        flat ? ask(from, at, variance, 1, true, out) : ask(from, at, variance, 1, false, out);
+        break;
+    case 2:
+        flat ? ask(from, at, variance, 2, true, out) : ask(from, at, variance, 2, false, out);
+        break;
+    case 3:
+        flat ? ask(from, at, variance, 3, true, out) : ask(from, at, variance, 3, false, out);
+        break;
+    default:
+        flat ? ask(from, at, variance, 4, true, out) : ask(from, at, variance, 4, false, out);
+        break;
     }
 }

@@ -1,7 +1,9 @@
 /* Rings of growth, as of wood: coaxial cylinders (Peachey 1985, section 2.2), filtered in closed form. */
 #include "patterns.h"
 
-typedef struct rings_options { double spacing, late, softness, asymmetry; } rings_options;
+typedef struct rings_options {
+    double spacing, late, softness, asymmetry;
+} rings_options;
 
 static const pith_param rings_items[] = {
     { "spacing", "model units", "thickness of a ring", PITH_PARAM_DOUBLE, 1e-6, 0.1, 1e6,
@@ -27,14 +29,19 @@ static pith_status rings_prepare(const node_build *build, void **state, pith_err
     const rings_options *o = build->options;
     rings *made = pith_alloc(1, sizeof *made);
     if (!made) return PITH_OUT_OF_MEMORY(err, "rings");
-    /* Half of both edges must fit into late wood, the other halves into early wood. The least width keeps slopes finite. */
+    /* Half of both edges must fit into late wood, the other halves into early wood. The least width keeps slopes
+       finite. */
     const double room = 2.0 * fmin(o->late, 1.0 - o->late), edges = fmax(o->softness * room, 2e-6);
     const double rise = fmax(0.5 * edges * (1.0 + o->asymmetry), 1e-6), fall = fmax(edges - rise, 1e-6);
     *made = (rings){
-        .spacing = (float)o->spacing, .mean = (float)o->late,
-        .rise_at = (float)(1.0 - 0.5 * fall - o->late - 0.5 * rise), .rise = (float)rise,
+        .spacing = (float)o->spacing,
+        .mean = (float)o->late,
+        .rise_at = (float)(1.0 - 0.5 * fall - o->late - 0.5 * rise),
+        .rise = (float)rise,
         .rise_inverse = (float)(1.0 / rise),
-        .fall_at = (float)(1.0 - fall), .fall = (float)fall, .fall_inverse = (float)(1.0 / fall),
+        .fall_at = (float)(1.0 - fall),
+        .fall = (float)fall,
+        .fall_inverse = (float)(1.0 / fall),
     };
     *state = made;
     return PITH_OK;
@@ -58,9 +65,10 @@ INLINE float ring_area(const rings *r, float u)
     return ramp_area(u - r->rise_at, r->rise, r->rise_inverse) - ramp_area(u - r->fall_at, r->fall, r->fall_inverse);
 }
 
-/* The distance to the axis varies over the ball of a footprint. Its mean square is r² + 2R²/5, R being the ball's radius;
-   its mean is sqrt(r² + c R²), where c falls from 0.347 on the axis to 1/5 far from it (fitted to the integral, within
-   0.001). A box with this mean and variance stands in for its distribution; far from the axis it is the ball's own. */
+/* The distance to the axis varies over the ball of a footprint. Its mean square is r² + 2R²/5, R being the ball's
+   radius; its mean is sqrt(r² + c R²), where c falls from 0.347 on the axis to 1/5 far from it (fitted to the
+   integral, within 0.001). A box with this mean and variance stands in for its distribution; far from the axis it is
+   the ball's own. */
 INLINE void radii(float square, float radius, float *low, float *high)
 {
     const float s = square / (radius * radius + 1e-30f), inverse = 1.0f / (s + 1e-30f);
@@ -81,8 +89,8 @@ INLINE void rings_lanes(const rings *r, const lanes *at, uint32_t count, lanes *
         low = low / r->spacing, high = high / r->spacing;
         const float whole_low = floorf(low), whole_high = floorf(high), width = high - low;
         /* Whole rings between the ends count their mean; the sums stay small wherever the point is. */
-        const float area = (whole_high - whole_low) * r->mean + ring_area(r, high - whole_high) -
-                           ring_area(r, low - whole_low);
+        const float area =
+            (whole_high - whole_low) * r->mean + ring_area(r, high - whole_high) - ring_area(r, low - whole_low);
         const float middle = 0.5f * (low + high), point = ring_value(r, middle - floorf(middle));
         out->v[0][i] = width > 1e-5f ? clamp_unit(area / width) : point;
     }

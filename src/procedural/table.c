@@ -3,7 +3,9 @@
 
 typedef enum table_wrap { TABLE_REPEAT, TABLE_CLAMP, TABLE_EMPTY } table_wrap;
 
-typedef struct table_options { uint32_t wrap; } table_options;
+typedef struct table_options {
+    uint32_t wrap;
+} table_options;
 
 static const char *const wrap_words[] = { "repeat", "clamp", "empty", NULL };
 
@@ -28,8 +30,8 @@ static pith_status check_grid(const pith_grid *g, pith_error *err)
     const pith_vec3 s = g->spacing;
     if (!(s.x > 0 && s.y > 0 && s.z > 0) || !pith_finite(s) || !pith_finite(g->origin))
         return pith_fail(err, PITH_BAD_ARGUMENT,
-                         "grid: spacing is (%g, %g, %g) from (%g, %g, %g), expected positive and finite numbers", s.x, s.y,
-                         s.z, g->origin.x, g->origin.y, g->origin.z);
+                         "grid: spacing is (%g, %g, %g) from (%g, %g, %g), expected positive and finite numbers", s.x,
+                         s.y, s.z, g->origin.x, g->origin.y, g->origin.z);
     return PITH_OK;
 }
 
@@ -44,8 +46,9 @@ static pith_status table_prepare(const node_build *build, void **state, pith_err
     const double spacing[3] = { g->spacing.x, g->spacing.y, g->spacing.z };
     const double origin[3] = { g->origin.x, g->origin.y, g->origin.z };
     const uint32_t channels = g->channels < 4 ? g->channels : 4;
-    pyramid_base base = { .values = g->values, .stride = g->channels, .channels = channels,
-                          .clear = channels == 2 || channels == 4 };
+    pyramid_base base = {
+        .values = g->values, .stride = g->channels, .channels = channels, .clear = channels == 2 || channels == 4
+    };
     double squares = 0.0;
     int axes = 0;
     for (int a = 0; a < 3; ++a) {
@@ -93,7 +96,8 @@ static void table_run(const void *state, const lanes *const *inputs, uint32_t in
 }
 
 const node_class node_table = {
-    .shown = { "table", "A grid of values in its place: 1 channel is grey, 2 grey and opacity, 3 colour, 4 colour and opacity.",
+    .shown = { "table",
+               "A grid of values in its place: 1 channel is grey, 2 grey and opacity, 3 colour, 4 colour and opacity.",
                PITH_VALUE_COLOUR, pattern_inputs, &table_params, PITH_ASSET_GRID },
     .prepare = table_prepare,
     .run = table_run,

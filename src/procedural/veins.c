@@ -13,12 +13,13 @@ typedef struct veins_options {
 } veins_options;
 
 static const pith_param veins_items[] = {
-    { "veins", "1", "number of veins in one period", PITH_PARAM_UINT, 1, 40, 10000, offsetof(veins_options, veins), NULL },
-    { "resolution", "1", "texels along an edge of the table, a power of two; more draws finer veins", PITH_PARAM_UINT, 16,
-      128, 512, offsetof(veins_options, resolution), NULL },
+    { "veins", "1", "number of veins in one period", PITH_PARAM_UINT, 1, 48, 10000, offsetof(veins_options, veins),
+      NULL },
+    { "resolution", "1", "texels along an edge of the table, a power of two; more draws finer veins", PITH_PARAM_UINT,
+      16, 128, 512, offsetof(veins_options, resolution), NULL },
     { "period", "model units", "edge of the cube that repeats", PITH_PARAM_DOUBLE, 1e-6, 1, 1e6,
       offsetof(veins_options, period), NULL },
-    { "length", "periods", "of a vein", PITH_PARAM_DOUBLE, 0.05, 1.5, 20, offsetof(veins_options, length), NULL },
+    { "length", "periods", "of a vein", PITH_PARAM_DOUBLE, 0.05, 2, 20, offsetof(veins_options, length), NULL },
     { "radius", "periods", "mean radius of a vein", PITH_PARAM_DOUBLE, 0.001, 0.015, 0.25,
       offsetof(veins_options, radius), NULL },
     { "radius_variation", "1", "how far the radius varies along a vein, as a share of it", PITH_PARAM_DOUBLE, 0, 0.6, 1,
@@ -27,25 +28,27 @@ static const pith_param veins_items[] = {
       offsetof(veins_options, wander), NULL },
     { "wander_length", "periods", "length of the longest bend; less makes veins more crooked", PITH_PARAM_DOUBLE, 0.05,
       0.8, 20, offsetof(veins_options, wander_length), NULL },
-    { "seed", "1", "another seed, other veins", PITH_PARAM_SEED, 0, 1, 9007199254740992.0, offsetof(veins_options, seed),
-      NULL },
+    { "seed", "1", "another seed, other veins", PITH_PARAM_SEED, 0, 1, 9007199254740992.0,
+      offsetof(veins_options, seed), NULL },
 };
 static const pith_params veins_params = { "veins", veins_items, sizeof veins_items / sizeof *veins_items,
                                           sizeof(veins_options) };
 
 typedef struct veins {
-    double inverse;             /* 1 / period */
-    float scale;                /* footprint² to variance in squares of texels */
-    uint32_t size, row;         /* texels along an edge; bytes of a row, its first texel once more behind the last */
-    uint8_t *bits;              /* [size][size][row], bit i & 7 of byte i / 8 */
-    float *half;                /* [size / 2]³ means of eight bits, base of the pyramid */
+    double inverse;     /* 1 / period */
+    float scale;        /* footprint² to variance in squares of texels */
+    uint32_t size, row; /* texels along an edge; bytes of a row, its first texel once more behind the last */
+    uint8_t *bits;      /* [size][size][row], bit i & 7 of byte i / 8 */
+    float *half;        /* [size / 2]³ means of eight bits, base of the pyramid */
     pyramid means;
 } veins;
 
-/* ---- drawing ------------------------------------------------------------------------------------------------------ */
+/* ---- drawing ----------------------------------------------------------------------------------------------------- */
 
 /* Three sinusoids, the second and third half and a quarter as long and strong; at most 1 in all. */
-typedef struct sinusoids { double phase[3]; } sinusoids;
+typedef struct sinusoids {
+    double phase[3];
+} sinusoids;
 
 static sinusoids random_sinusoids(pith_rng *rng)
 {
@@ -108,7 +111,7 @@ static void draw_vein(veins *v, const veins_options *o, pith_rng *rng)
     }
 }
 
-/* ---- preparing ---------------------------------------------------------------------------------------------------- */
+/* ---- preparing --------------------------------------------------------------------------------------------------- */
 
 /* The two texels from i on in a row, as bits 0 and 1; more above them. */
 static inline uint32_t pair_at(const uint8_t *row, uint32_t i)
@@ -162,10 +165,12 @@ static pith_status check_veins(const veins_options *o, pith_error *err)
                          o->radius, (unsigned)o->resolution);
     /* Steps times texels of a ball: what drawing costs. */
     const double texels = fmax(1.0, o->radius * o->resolution), slope = 10.8 * o->wander / o->wander_length;
-    const double cost = o->veins * o->length * o->resolution * sqrt(1.0 + 2.0 * slope * slope) * texels * texels * texels;
+    const double cost =
+        o->veins * o->length * o->resolution * sqrt(1.0 + 2.0 * slope * slope) * texels * texels * texels;
     if (cost > 1e9)
         return pith_fail(err, PITH_BAD_ARGUMENT,
-                         "veins, length, radius and wander together ask for too much drawing (%.1g texels): lower one", cost);
+                         "veins, length, radius and wander together ask for too much drawing (%.1g texels): lower one",
+                         cost);
     return PITH_OK;
 }
 
@@ -193,8 +198,13 @@ static pith_status veins_prepare(const node_build *build, void **state, pith_err
         halve(v);
         /* The function itself mixes between texels of edge 1. */
         const pyramid_base base = {
-            .values = v->half, .size = { v->size / 2, v->size / 2, v->size / 2 }, .stride = 1, .channels = 1,
-            .texel = { 2, 2, 2 }, .spent = 0.25, .wrap = { WRAP_REPEAT, WRAP_REPEAT, WRAP_REPEAT },
+            .values = v->half,
+            .size = { v->size / 2, v->size / 2, v->size / 2 },
+            .stride = 1,
+            .channels = 1,
+            .texel = { 2, 2, 2 },
+            .spent = 0.25,
+            .wrap = { WRAP_REPEAT, WRAP_REPEAT, WRAP_REPEAT },
         };
         status = pyramid_make(&base, &v->means, err);
     }
@@ -205,7 +215,7 @@ static pith_status veins_prepare(const node_build *build, void **state, pith_err
     return status;
 }
 
-/* ---- running ------------------------------------------------------------------------------------------------------ */
+/* ---- running ----------------------------------------------------------------------------------------------------- */
 
 /* Trilinear between the eight texels about a place, 0..1 along each axis, or a few texels beyond. */
 static inline float texels_at(const veins *v, float x, float y, float z)

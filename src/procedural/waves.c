@@ -1,5 +1,5 @@
-/* Fourier synthesis in three dimensions (Peachey 1985, section 4.1): a sum of sinusoids. A footprint weakens each wave by
-   the transfer of a Gaussian, exp(-(2 pi f sigma)² / 2) with sigma² = footprint² / 20. */
+/* Fourier synthesis in three dimensions (Peachey 1985, section 4.1): a sum of sinusoids. A footprint weakens each wave
+   by the transfer of a Gaussian, exp(-(2 pi f sigma)² / 2) with sigma² = footprint² / 20. */
 #include "patterns.h"
 
 #include <string.h>
@@ -32,10 +32,10 @@ static const pith_params waves_params = { "waves", waves_items, sizeof waves_ite
                                           sizeof(waves_options) };
 
 typedef struct wave {
-    double frequency[3];        /* cycles per unit */
-    double phase;               /* cycles, 0..1, so that the wave is a cosine less half a turn */
+    double frequency[3]; /* cycles per unit */
+    double phase;        /* cycles, 0..1, so that the wave is a cosine less half a turn */
     float amplitude;
-    float decay;                /* log2 of the transfer, per footprint² */
+    float decay; /* log2 of the transfer, per footprint² */
 } wave;
 
 typedef struct waves {
@@ -43,7 +43,7 @@ typedef struct waves {
     wave wave[];
 } waves;
 
-/* ---- preparing ---------------------------------------------------------------------------------------------------- */
+/* ---- preparing --------------------------------------------------------------------------------------------------- */
 
 /* Whole cycles per period on each axis; a wave that would become constant keeps its greatest component. */
 static void snap(double frequency[3], double period)
@@ -92,11 +92,11 @@ static void random_waves(const node_build *build, const waves_options *o, waves 
 
 static pith_status check_given(const pith_wave *given, size_t count, pith_error *err)
 {
-    if (count > 4096)
-        return pith_fail(err, PITH_BAD_ARGUMENT, "waves: %zu of them, at most 4096 are possible", count);
+    if (count > 4096) return pith_fail(err, PITH_BAD_ARGUMENT, "waves: %zu of them, at most 4096 are possible", count);
     for (size_t i = 0; i < count; ++i)
         if (!pith_finite(given[i].frequency) || !isfinite(given[i].amplitude) || !isfinite(given[i].phase))
-            return pith_fail(err, PITH_BAD_ARGUMENT, "waves: the frequency, amplitude or phase of wave %zu is not finite", i);
+            return pith_fail(err, PITH_BAD_ARGUMENT,
+                             "waves: the frequency, amplitude or phase of wave %zu is not finite", i);
     return PITH_OK;
 }
 
@@ -110,7 +110,8 @@ static pith_status waves_prepare(const node_build *build, void **state, pith_err
         return pith_fail(err, PITH_BAD_ARGUMENT, "lowest is %g, above highest, which is %g", o->lowest, o->highest);
     if (!given && o->period > 0.0 && o->highest * o->period < 1.0)
         return pith_fail(err, PITH_BAD_ARGUMENT,
-                         "highest is %g: no such wave fits into a period of %g; raise one of them", o->highest, o->period);
+                         "highest is %g: no such wave fits into a period of %g; raise one of them", o->highest,
+                         o->period);
     const uint32_t count = given ? (uint32_t)node->wave_count : o->count;
     waves *made = pith_alloc(1, sizeof *made + count * sizeof *made->wave);
     if (!made) return PITH_OUT_OF_MEMORY(err, "waves");
@@ -122,7 +123,7 @@ static pith_status waves_prepare(const node_build *build, void **state, pith_err
     return PITH_OK;
 }
 
-/* ---- running ------------------------------------------------------------------------------------------------------ */
+/* ---- running ----------------------------------------------------------------------------------------------------- */
 
 /* sin(2 pi s) for |s| <= 1/4: an odd polynomial, within 7e-9 before rounding and 2e-7 after. */
 INLINE float sine(float s)
@@ -137,8 +138,10 @@ INLINE float power_of_two(float y)
 {
     const float magic = 12582912.0f; /* 1.5 * 2^23: adding it rounds to a whole number in the lowest bits */
     const float held = y > -64.0f ? y : -64.0f, shifted = held + magic, f = held - (shifted - magic);
-    const float fine = 1.0f + f * (0.693147181f + f * (0.240226507f + f * (0.0555041087f + f * (0.00961812911f +
-                       f * (0.00133335581f + f * 0.000154035304f)))));
+    const float fine =
+        1.0f + f * (0.693147181f +
+                    f * (0.240226507f +
+                         f * (0.0555041087f + f * (0.00961812911f + f * (0.00133335581f + f * 0.000154035304f)))));
     uint32_t bits;
     memcpy(&bits, &shifted, sizeof bits);
     bits = (bits + 127u) << 23;

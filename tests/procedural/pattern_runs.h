@@ -9,7 +9,11 @@
 
 static pith_error err;
 
-typedef struct pattern { const node_class *class; void *state; unsigned char options[256]; } pattern;
+typedef struct pattern {
+    const node_class *class;
+    void *state;
+    unsigned char options[256];
+} pattern;
 
 /* Options from words such as "count=3 what=depth"; the others have their standard values. */
 static inline void set_options(const node_class *class, const char *words, void *options)
@@ -84,7 +88,8 @@ static inline void ask_with(const pattern *p, run_lanes *run, const float (*poin
     }
 }
 
-static inline void ask(const pattern *p, const float (*points)[3], const float *footprints, size_t count, float (*out)[4])
+static inline void ask(const pattern *p, const float (*points)[3], const float *footprints, size_t count,
+                       float (*out)[4])
 {
     ask_with(p, p->class->run, points, footprints, count, NAN, out);
 }
@@ -97,7 +102,7 @@ static inline float number_at(const pattern *p, double x, double y, double z, do
     return out[0][0];
 }
 
-/* ---- references --------------------------------------------------------------------------------------------------- */
+/* ---- references -------------------------------------------------------------------------------------------------- */
 
 enum { BALL_SAMPLES = 4096 };
 
@@ -106,7 +111,8 @@ static inline void ball_points(double (*points)[3])
 {
     for (int i = 0; i < BALL_SAMPLES; ++i) {
         const double g = 1.22074408460575947536;
-        double u = fmod(0.5 + (i + 1) / g, 1), v = fmod(0.5 + (i + 1) / (g * g), 1), w = fmod(0.5 + (i + 1) / (g * g * g), 1);
+        double u = fmod(0.5 + (i + 1) / g, 1), v = fmod(0.5 + (i + 1) / (g * g), 1),
+               w = fmod(0.5 + (i + 1) / (g * g * g), 1);
         const double r = 0.5 * cbrt(u), z = 2 * v - 1, s = sqrt(1 - z * z), a = 6.283185307179586 * w;
         points[i][0] = r * s * cos(a), points[i][1] = r * s * sin(a), points[i][2] = r * z;
     }
@@ -114,7 +120,8 @@ static inline void ball_points(double (*points)[3])
 
 /* The mean answer without footprints over a ball; colours are averaged by their opacity. weight: of a sample by another
    pattern's number, for means over a part of the ball (NULL: all alike). */
-static inline void mean_of_ball(const pattern *p, const pattern *weight, const float at[3], double diameter, double mean[4])
+static inline void mean_of_ball(const pattern *p, const pattern *weight, const float at[3], double diameter,
+                                double mean[4])
 {
     static double ball[BALL_SAMPLES][3];
     static float points[BALL_SAMPLES][3], out[BALL_SAMPLES][4], by[BALL_SAMPLES][4];
@@ -137,10 +144,12 @@ static inline void mean_of_ball(const pattern *p, const pattern *weight, const f
 
 /* How far answers with a footprint, and answers without, are from the mean over the ball: root mean squares over random
    points of a cube of edge `extent` about the origin. Prints both. */
-typedef struct distances { double filtered, plain; } distances;
+typedef struct distances {
+    double filtered, plain;
+} distances;
 
-static inline distances filter_distances(const pattern *p, const pattern *weight, double extent, double diameter, int points,
-                                         uint64_t seed)
+static inline distances filter_distances(const pattern *p, const pattern *weight, double extent, double diameter,
+                                         int points, uint64_t seed)
 {
     pith_rng rng = pith_rng_make(seed, 3);
     const bool colour = p->class->shown.gives == PITH_VALUE_COLOUR;
@@ -160,12 +169,12 @@ static inline distances filter_distances(const pattern *p, const pattern *weight
         }
     }
     const distances d = { sqrt(filtered / count), sqrt(plain / count) };
-    print_message("    %s, footprint %g: off by %.4f, without filter %.4f\n", p->class->shown.name, diameter, d.filtered,
-                  d.plain);
+    print_message("    %s, footprint %g: off by %.4f, without filter %.4f\n", p->class->shown.name, diameter,
+                  d.filtered, d.plain);
     return d;
 }
 
-/* ---- what holds of every pattern ---------------------------------------------------------------------------------- */
+/* ---- what holds of every pattern --------------------------------------------------------------------------------- */
 
 /* The same bits whatever lanes beyond the count hold and however points are put into blocks. */
 static inline void check_lanes(const pattern *p, double extent)
@@ -183,7 +192,8 @@ static inline void check_lanes(const pattern *p, double extent)
     for (int j = 0; j < 5; ++j) {
         for (size_t from = 0, some = 1; from < POINTS; from += some, some = some % 13 + 1) {
             if (some > POINTS - from) some = POINTS - from;
-            ask_with(p, p->class->run, (const float(*)[3])points + from, footprints + from, some, junk[j], other + from);
+            ask_with(p, p->class->run, (const float(*)[3])points + from, footprints + from, some, junk[j],
+                     other + from);
         }
         for (int i = 0; i < POINTS; ++i) assert_memory_equal(all[i], other[i], (size_t)channels * sizeof(float));
     }
@@ -216,8 +226,7 @@ static inline void check_periodic(const pattern *p, double period)
         const float footprints[4] = { footprint[0], footprint[0], footprint[0], footprint[0] };
         for (int a = 0; a < 3; ++a) {
             at[0][a] = (float)(period * (pith_rng_below(&rng, 4096) * 0x1p-12));
-            for (int s = 1; s < 4; ++s)
-                at[s][a] = at[0][a] + (float)(period * ((double)pith_rng_below(&rng, 64) - 32));
+            for (int s = 1; s < 4; ++s) at[s][a] = at[0][a] + (float)(period * ((double)pith_rng_below(&rng, 64) - 32));
         }
         ask(p, (const float(*)[3])at, footprints, 4, out);
         const size_t size = p->class->shown.gives == PITH_VALUE_NUMBER ? sizeof(float) : 4 * sizeof(float);

@@ -75,7 +75,8 @@ static void test_checks_are_a_parity(void **state)
     for (int k = -6; k < 6; ++k)
         for (int j = -6; j < 6; ++j)
             for (int i = -6; i < 6; ++i)
-                CHECK_NEAR((double)number_at(&p, 0.25 * i + 0.001, 0.25 * j + 0.249, 0.25 * k + 0.1, 0), (i + j + k) & 1, 0);
+                CHECK_NEAR((double)number_at(&p, 0.25 * i + 0.001, 0.25 * j + 0.249, 0.25 * k + 0.1, 0),
+                           (i + j + k) & 1, 0);
     /* Exactly on a lower border a point belongs to the cell above. */
     CHECK_NEAR((double)number_at(&p, 0.25, 0, 0, 0), 1, 0);
     CHECK_NEAR((double)number_at(&p, -0.25, 0, 0, 0), 1, 0);

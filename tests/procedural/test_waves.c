@@ -24,7 +24,8 @@ static void test_given_waves_are_what_they_say(void **state)
     pith_rng rng = pith_rng_make(1, 1);
     double amplitudes = 0.0;
     for (int i = 0; i < WAVES; ++i) {
-        waves[i] = (pith_wave){ pith_scale(pith_rng_direction(&rng), 0.1 + i), pith_rng_unit(&rng), 40 * pith_rng_unit(&rng) - 20 };
+        waves[i] = (pith_wave){ pith_scale(pith_rng_direction(&rng), 0.1 + i), pith_rng_unit(&rng),
+                                40 * pith_rng_unit(&rng) - 20 };
         amplitudes += waves[i].amplitude;
     }
     const pith_node assets = { .waves = waves, .wave_count = WAVES };
@@ -58,8 +59,8 @@ static void test_the_sine_is_accurate(void **state)
         worst = fmax(worst, fabs(got - expected));
     }
     for (int quarter = -4; quarter <= 4; ++quarter)
-        CHECK_NEAR((double)number_at(&p, 0.25 * quarter, 0, 0, 0), quarter % 2 ? (quarter % 4 == 1 || quarter == -3 ? 1 : -1) : 0,
-                   1e-7);
+        CHECK_NEAR((double)number_at(&p, 0.25 * quarter, 0, 0, 0),
+                   quarter % 2 ? (quarter % 4 == 1 || quarter == -3 ? 1 : -1) : 0, 1e-7);
     print_message("    sine: off by %.2g at most\n", worst);
     release(&p);
 }
@@ -72,8 +73,8 @@ static void test_random_waves_have_their_deviation(void **state)
     pith_rng rng = pith_rng_make(1, 1);
     for (int i = 0; i < POINTS; ++i)
         for (int a = 0; a < 3; ++a) points[i][a] = (float)(100 * pith_rng_unit(&rng));
-    static const char *const words[] = { "deviation=0.4 count=64", "deviation=2 count=5 slope=0", "deviation=1 slope=3 period=4",
-                                         "deviation=1 count=1" };
+    static const char *const words[] = { "deviation=0.4 count=64", "deviation=2 count=5 slope=0",
+                                         "deviation=1 slope=3 period=4", "deviation=1 count=1" };
     static const double deviation[] = { 0.4, 2, 1, 1 };
     for (int w = 0; w < 4; ++w) {
         pattern p = make(&node_waves, words[w]);
@@ -133,7 +134,8 @@ static void test_refusals(void **state)
     (void)state;
     pattern p;
     CHECK_FAILS(prepare(&node_waves, "lowest=3 highest=2", NULL, &p), PITH_BAD_ARGUMENT, "lowest is 3, above highest");
-    CHECK_FAILS(prepare(&node_waves, "lowest=0.1 highest=0.2 period=2", NULL, &p), PITH_BAD_ARGUMENT, "fits into a period of 2");
+    CHECK_FAILS(prepare(&node_waves, "lowest=0.1 highest=0.2 period=2", NULL, &p), PITH_BAD_ARGUMENT,
+                "fits into a period of 2");
     const pith_wave waves[2] = { { { 1, 0, 0 }, 1, 0 }, { { NAN, 0, 0 }, 1, 0 } };
     pith_node assets = { .waves = waves, .wave_count = 2 };
     CHECK_FAILS(prepare(&node_waves, "", &assets, &p), PITH_BAD_ARGUMENT, "wave 1 is not finite");
