@@ -279,6 +279,26 @@ static void test_other_lanes_do_not_matter(void **state)
     }
 }
 
+static void test_memory_may_be_out(void **state)
+{
+    (void)state;
+    static const node_class *const classes[] = { &node_noise, &node_fractal,  &node_turbulence,
+                                                 &node_slope, &node_cellular, &node_phasor };
+    pith_error err;
+    for (int c = 0; c < 6; ++c) {
+        char options[256];
+        assert_true(classes[c]->shown.params->size <= sizeof options);
+        pith_params_defaults(classes[c]->shown.params, options);
+        const node_build build = { .options = options };
+        void *made = &err;
+        pith_memory_fail_after(0);
+        const pith_status status = classes[c]->prepare(&build, &made, &err);
+        pith_memory_fail_after(SIZE_MAX);
+        assert_int_equal(status, PITH_NO_MEMORY);
+        assert_true(made == &err);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -292,6 +312,7 @@ int main(void)
         cmocka_unit_test(test_large_footprints_give_the_mean),
         cmocka_unit_test(test_footprints_do_not_jump),
         cmocka_unit_test(test_other_lanes_do_not_matter),
+        cmocka_unit_test(test_memory_may_be_out),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
