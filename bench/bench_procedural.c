@@ -8,13 +8,16 @@
 enum { BLOCK = 512, SIDE = 16 };
 
 /* Points and answers of one block. */
-typedef struct block { float x[BLOCK], y[BLOCK], z[BLOCK], value[4][BLOCK]; pith_vec3 points[BLOCK]; } block;
+typedef struct block {
+    float x[BLOCK], y[BLOCK], z[BLOCK], value[4][BLOCK];
+    pith_vec3 points[BLOCK];
+} block;
 
 typedef struct subject {
     const char *name;
     void (*run)(const struct subject *subject, block *at); /* NULL: samples the solid */
     pith_simd how;
-    const char *function, *option;  /* a solid of one function; an option that is not the standard one */
+    const char *function, *option; /* a solid of one function; an option that is not the standard one */
     double value;
     pith_solid *solid;
 } subject;
@@ -94,8 +97,9 @@ static void place(block *at, bool scattered, pith_rng *rng)
 {
     for (int i = 0; i < BLOCK; ++i) {
         const double u = i % SIDE * 0.02, v = i / SIDE * 0.02;
-        const pith_vec3 p = scattered ? pith_v3(100.0 * pith_rng_unit(rng), 100.0 * pith_rng_unit(rng), 100.0 * pith_rng_unit(rng))
-                                      : pith_v3(3.3 + u, 5.1 + 0.8 * v - 0.3 * u, 1.7 + 0.6 * v + 0.2 * u);
+        const pith_vec3 p =
+            scattered ? pith_v3(100.0 * pith_rng_unit(rng), 100.0 * pith_rng_unit(rng), 100.0 * pith_rng_unit(rng))
+                      : pith_v3(3.3 + u, 5.1 + 0.8 * v - 0.3 * u, 1.7 + 0.6 * v + 0.2 * u);
         at->points[i] = p;
         at->x[i] = (float)p.x, at->y[i] = (float)p.y, at->z[i] = (float)p.z;
     }

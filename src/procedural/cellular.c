@@ -46,8 +46,9 @@ static void evaluate(const cellular_state *state, const float *const at[3], uint
 {
     float first[LANES], other[LANES];
     const bool two = state->what == SECOND || state->what == DIFFERENCE;
-    lattice_kernels_for(PITH_SIMD_BEST)->cellular(&state->cells, state->jitter, at, (count + 7u) & ~7u, first,
-                                                  two ? other : NULL, state->what == NUMBER ? other : NULL);
+    lattice_kernels_for(PITH_SIMD_BEST)
+        ->cellular(&state->cells, state->jitter, at, (count + 7u) & ~7u, first, two ? other : NULL,
+                   state->what == NUMBER ? other : NULL);
     for (uint32_t i = 0; i < count; ++i)
         value[i] = state->what == NEAREST ? first[i] : state->what == DIFFERENCE ? other[i] - first[i] : other[i];
 }
@@ -106,14 +107,15 @@ static void run(const void *state, const lanes *const *points, uint32_t input_co
     for (int a = 0; a < 3; ++a)
         for (int i = 0; i < LANES; ++i) at.v[a][i] = from->v[a][i] * s->per_unit;
     evaluate(s, (const float *const[3]){ at.v[0], at.v[1], at.v[2] }, count, out->v[0]);
-    lattice_kernels_for(PITH_SIMD_BEST)->fade(&s->fade, s->mean, from->v[3], s->per_unit, (count + 7u) & ~7u, out->v[0]);
+    lattice_kernels_for(PITH_SIMD_BEST)
+        ->fade(&s->fade, s->mean, from->v[3], s->per_unit, (count + 7u) & ~7u, out->v[0]);
 }
 
 const node_class node_cellular = {
     .shown = { "cellular",
-               "Random features, one to a cell, and how far they are: pebbles, cracks, scales. Distances are in cells: the "
-               "nearest 0 to 1.73, mean 0.52 with full jitter; the second up to 1.73, mean 0.72; their difference 0 to 1.73, "
-               "mean 0.20; numbers 0 to 1. Goes to the mean under large footprints.",
+               "Random features, one to a cell, and how far they are: pebbles, cracks, scales. Distances are in cells: "
+               "the nearest 0 to 1.73, mean 0.52 with full jitter; the second up to 1.73, mean 0.72; their difference 0 "
+               "to 1.73, mean 0.20; numbers 0 to 1. Goes to the mean under large footprints.",
                PITH_VALUE_NUMBER, inputs, &params, 0 },
     .prepare = prepare,
     .run = run,

@@ -51,10 +51,10 @@ WORD vi cell_hash(vi sum) { return (sum ^ (sum >> 16)) * 0xc2b2ae35u; }
 WORD vf one_to_two(vi hash) { return f_of_bits((hash >> 9) | 0x3f800000u); }
 
 /* Factors that make further random numbers of a cell from its first. */
-#define HASH_Y 0x27d4eb2fu
-#define HASH_Z 0x165667b1u
+#define HASH_Y      0x27d4eb2fu
+#define HASH_Z      0x165667b1u
 #define HASH_NUMBER 0xd6e8feb9u
-#define HASH_TURN 0xa2bfe8a1u
+#define HASH_TURN   0xa2bfe8a1u
 
 /* Eight directions of length 2/sqrt(3) in the octant of positive coordinates, which become 64 with all signs: (a, b, c)
    with a = 0.048, b = 0.436, c = 0.899 in all six orders and the diagonal, twice. With these a and b all moments up to the

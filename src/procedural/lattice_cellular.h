@@ -14,12 +14,15 @@
 
 /* What is known of the cells of five rows along an axis. */
 typedef struct cell_rows {
-    vf start[5];    /* from the point to the row's feature, but for jitter times 1..2 */
-    vf gap[5];      /* square of the least distance to a feature of the row along this axis */
+    vf start[5]; /* from the point to the row's feature, but for jitter times 1..2 */
+    vf gap[5];   /* square of the least distance to a feature of the row along this axis */
     vi hash[5];
 } cell_rows;
 
-typedef struct nearest_two { vf first, second; vi hash; } nearest_two;
+typedef struct nearest_two {
+    vf first, second;
+    vi hash;
+} nearest_two;
 
 WORD void consider(const cell_rows rows[3], int x, int y, int z, float jitter, bool second, nearest_two *best)
 {

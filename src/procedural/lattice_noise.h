@@ -92,8 +92,7 @@ WORD vf load_footprint(const float *from, float per_unit)
 /* A point of the first octave, and its footprint. */
 WORD vf load_place(const uint32_t period[3], const lanes *from, size_t i, float per_unit, float limit, vf at[3])
 {
-    for (int a = 0; a < 3; ++a)
-        at[a] = repeated(limited(f_load(from->v[a] + i) * per_unit, limit), period[a]);
+    for (int a = 0; a < 3; ++a) at[a] = repeated(limited(f_load(from->v[a] + i) * per_unit, limit), period[a]);
     return load_footprint(from->v[3] + i, per_unit);
 }
 

@@ -10,11 +10,14 @@
 #include "lattice_wave.h"
 
 /* What is asked for at a point: its place in its cell, the unit direction there, and the sum so far. */
-typedef struct wave_sum { vf place[3], along[3], real, imaginary; } wave_sum;
+typedef struct wave_sum {
+    vf place[3], along[3], real, imaginary;
+} wave_sum;
 
 WORD void add_wave(const lattice_waves *waves, vi h, const vf corner[3], wave_sum *sum)
 {
-    const vf d[3] = { corner[0] + one_to_two(h), corner[1] + one_to_two(h * HASH_Y), corner[2] + one_to_two(h * HASH_Z) };
+    const vf d[3] = { corner[0] + one_to_two(h), corner[1] + one_to_two(h * HASH_Y),
+                      corner[2] + one_to_two(h * HASH_Z) };
     const vf s = d[0] * d[0] + d[1] * d[1] + d[2] * d[2], inside = f_max(1.0f - s, f_all(0.0f));
     if (!any(f_less(f_all(0.0f), inside))) return;
     vf weight = exp2_below(s * -waves->narrow) * (inside * inside);

@@ -8,8 +8,9 @@ WORD vf exp2_below(vf x)
 {
     x = f_max(x, f_all(-126.0f));
     const vf whole = f_floor(x), f = x - whole;
-    const vf part = f * (f * (f * (f * (f * 1.8937541e-3f + 8.9495904e-3f) + 5.5860337e-2f) + 2.4014182e-1f) +
-                         6.9315449e-1f) + 0.9999999f;
+    const vf part =
+        f * (f * (f * (f * (f * 1.8937541e-3f + 8.9495904e-3f) + 5.5860337e-2f) + 2.4014182e-1f) + 6.9315449e-1f) +
+        0.9999999f;
     return part * f_of_bits((f_to_i(whole) + 127u) << 23);
 }
 

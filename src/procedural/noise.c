@@ -37,7 +37,10 @@ uint32_t lattice_seed(const node_build *build, uint32_t which)
 
 /* The last points of an array, fewer than a kernel takes: copied to where there is room behind them. */
 enum { STEP = 8 };
-typedef struct tail { float at[3][STEP]; const float *from[3]; } tail;
+typedef struct tail {
+    float at[3][STEP];
+    const float *from[3];
+} tail;
 
 static void tail_take(const float *const at[3], size_t start, size_t count, tail *last)
 {
@@ -81,17 +84,16 @@ void pith_cellular(const float *x, const float *y, const float *z, size_t count,
     if (!(jitter >= 0.0f)) jitter = 0.0f;
     if (jitter > 1.0f) jitter = 1.0f;
     for (size_t start = 0, size; start < count; start += size) {
+        /* Blocks in whole steps, then what is left. */
         float spare[3][BLOCK];
-        size = count - start < BLOCK ? count - start : BLOCK;
-        const bool part = size % STEP != 0; /* only the last block: worked on in whole steps, then what is left */
-        if (part && size > STEP) size -= size % STEP;
-        const bool padded = size < STEP;
+        const size_t left = count - start;
+        const bool padded = left < STEP;
         tail last;
         if (padded) tail_take(at, start, count, &last);
-        const float *const from[3] = { padded ? last.from[0] : x + start, padded ? last.from[1] : y + start,
-                                       padded ? last.from[2] : z + start };
-        kernels->cellular(&cells, jitter, from, padded ? STEP : size, spare[0], second ? spare[1] : NULL,
-                          number ? spare[2] : NULL);
+        size = padded ? left : left < BLOCK ? left - left % STEP : BLOCK;
+        const float *const from[3] = { x + start, y + start, z + start };
+        kernels->cellular(&cells, jitter, padded ? last.from : from, padded ? STEP : size, spare[0],
+                          second ? spare[1] : NULL, number ? spare[2] : NULL);
         if (nearest) memcpy(nearest + start, spare[0], size * sizeof *nearest);
         if (second) memcpy(second + start, spare[1], size * sizeof *second);
         if (number) memcpy(number + start, spare[2], size * sizeof *number);

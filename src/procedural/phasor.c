@@ -15,16 +15,18 @@ static const pith_param items[] = {
     { "frequency", "waves per cell", "more of it makes finer waves", PITH_PARAM_DOUBLE, 0.25, 3, 16,
       offsetof(phasor_options, frequency), NULL },
     { "bandwidth", "waves per cell",
-      "more of it lets waves fork and end more often and takes longer, with its third power", PITH_PARAM_DOUBLE, 0.5, 1, 2,
-      offsetof(phasor_options, bandwidth), NULL },
+      "more of it lets waves fork and end more often and takes longer, with its third power", PITH_PARAM_DOUBLE, 0.5, 1,
+      2, offsetof(phasor_options, bandwidth), NULL },
     { "what", "1", "layers that stand across the direction, or fibres that run along it", PITH_PARAM_CHOICE, 0, 0, 1,
       offsetof(phasor_options, what), words },
 };
 static const pith_params params = { "phasor", items, sizeof items / sizeof *items, sizeof(phasor_options) };
 static const pith_input inputs[] = {
     LATTICE_AT,
-    { .name = "along", .help = "the direction it follows; its length does not matter, where it is 0 there are no waves",
-      .takes = PITH_VALUE_POINT, .wanted = true },
+    { .name = "along",
+      .help = "the direction it follows; its length does not matter, where it is 0 there are no waves",
+      .takes = PITH_VALUE_POINT,
+      .wanted = true },
     { .name = NULL },
 };
 
@@ -56,8 +58,8 @@ static void run(const void *state, const lanes *const *points, uint32_t input_co
 
 const node_class node_phasor = {
     .shown = { "phasor",
-               "Waves of one frequency and of the same height everywhere that follow a direction: layers or fibres that "
-               "fork and end (Tricard et al. 2019). -1 to 1, mean 0. Goes to 0 under footprints larger than a wave.",
+               "Waves of one frequency and of the same height everywhere that follow a direction: layers or fibres "
+               "that fork and end (Tricard et al. 2019). -1 to 1, mean 0. Goes to 0 under footprints larger than a wave.",
                PITH_VALUE_NUMBER, inputs, &params, 0 },
     .prepare = prepare,
     .run = run,

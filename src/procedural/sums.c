@@ -9,8 +9,10 @@ typedef struct sum_options {
 } sum_options;
 
 #define OCTAVES(standard)                                                                                              \
-    { "octaves", "1", "noises that are added up, each finer than the one before", PITH_PARAM_UINT, 1, standard,        \
-      LATTICE_OCTAVES, offsetof(sum_options, octaves), NULL },                                                         \
+    { "octaves", "1",                                                                                                  \
+      "noises that are added up, each finer than the one before, as far as floats go: 4 million cells in one of the "  \
+      "first or in a period",                                                                                          \
+      PITH_PARAM_UINT, 1, standard, LATTICE_OCTAVES, offsetof(sum_options, octaves), NULL },                           \
     { "lacunarity", "1", "how many times finer each is; where there is a period, its cells are rounded to whole ones", \
       PITH_PARAM_DOUBLE, 1, 2, 8, offsetof(sum_options, lacunarity), NULL },                                           \
     { "gain", "1", "how strong each is beside the one before; more is rougher", PITH_PARAM_DOUBLE, 0, 0.5, 1,          \
@@ -35,7 +37,7 @@ static bool lay_out_octave(const node_build *build, uint32_t k, double finer, la
     uint32_t period[3];
     for (int a = 0; a < 3; ++a) {
         const double whole = fmax(round(options->period[a] * finer), 1.0);
-        if (finer > 0.25 * LATTICE_LIMIT || whole > 0.25 * LATTICE_LIMIT) return false;
+        if (finer > 0.5 * LATTICE_LIMIT || whole > 0.5 * LATTICE_LIMIT) return false;
         period[a] = options->period[a] ? (uint32_t)whole : 0;
         octave->scale[a] = (float)(options->period[a] ? whole / options->period[a] : finer);
         /* Noise is 0 on its lattice: without a shift, of a quarter to half a cell, all octaves would be at the origin. */
@@ -107,16 +109,16 @@ static void run_slope(const void *state, const lanes *const *points, uint32_t in
 
 const node_class node_noise = {
     .shown = { "noise",
-               "Smooth random hills and hollows, one to a cell or so: -1 to 1, mean 0, deviation 0.22. Goes to 0 under large "
-               "footprints.",
+               "Smooth random hills and hollows, one to a cell or so: -1 to 1, mean 0, deviation 0.22. Goes to 0 under "
+               "large footprints.",
                PITH_VALUE_NUMBER, inputs, &noise_params, 0 },
     .prepare = prepare_noise,
     .run = run_sum,
 };
 const node_class node_slope = {
     .shown = { "slope",
-               "The way up in noise or in a fractal of the same options, to warp points by: change of the value per cell, 0 "
-               "on average, deviation 0.57 along each axis for one octave. It has no footprint.",
+               "The way up in noise or in a fractal of the same options, to warp points by: change of the value per "
+               "cell, 0 on average, deviation 0.57 along each axis for one octave. It has no footprint.",
                PITH_VALUE_POINT, inputs, &slope_params, 0 },
     .prepare = prepare_slope,
     .run = run_slope,

@@ -5,8 +5,14 @@
 #include "check.h"
 #include "lattice.h"
 
-typedef struct option_set { const char *name; double value; } option_set;
-typedef struct lattice_node { const node_class *class; void *state; } lattice_node;
+typedef struct option_set {
+    const char *name;
+    double value;
+} option_set;
+typedef struct lattice_node {
+    const node_class *class;
+    void *state;
+} lattice_node;
 
 /* Options by name, the last one has none. */
 static inline lattice_node node_made(const node_class *class, const option_set *set)
@@ -31,8 +37,10 @@ static inline lattice_node node_made(const node_class *class, const option_set *
 
 static inline void node_done(lattice_node node)
 {
-    if (node.class->release) node.class->release(node.state);
-    else pith_free(node.state);
+    if (node.class->release)
+        node.class->release(node.state);
+    else
+        pith_free(node.state);
 }
 
 /* Many points and their answers. along: [count], or NULL. */
@@ -64,7 +72,9 @@ static inline pith_vec3 in_disc(pith_rng *rng, pith_vec3 normal, double diameter
 /* How well a function with a footprint gives the average over it: root mean squares over many points of what filtered and
    unfiltered answers are off, of what the best multiple of the unfiltered's deviation from the mean would be off, and the
    deviation of the unfiltered. */
-typedef struct filter_measure { double filtered, plain, best, deviation; } filter_measure;
+typedef struct filter_measure {
+    double filtered, plain, best, deviation;
+} filter_measure;
 
 static inline filter_measure measure_filter(lattice_node node, const float along[3], double diameter, double edge)
 {
@@ -110,13 +120,21 @@ static inline float odd_coordinate(pith_rng *rng)
 {
     const double u = 2.0 * pith_rng_unit(rng) - 1.0;
     switch (pith_rng_below(rng, 12)) {
-    case 0: return (float)floor(20.0 * u);
-    case 1: return nextafterf((float)floor(20.0 * u), u > 0 ? 100.0f : -100.0f);
-    case 2: return (float)(1e7 * u);
-    case 3: return (float)(1e30 * u);
-    case 4: return (float)(1e-30 * u);
-    case 5: return (float[]){ INFINITY, -INFINITY, NAN, -0.0f, 8388608.0f, -8388608.5f, 3e38f, 1e-45f }[pith_rng_below(rng, 8)];
-    default: return (float)(50.0 * u);
+    case 0:
+        return (float)floor(20.0 * u);
+    case 1:
+        return nextafterf((float)floor(20.0 * u), u > 0 ? 100.0f : -100.0f);
+    case 2:
+        return (float)(1e7 * u);
+    case 3:
+        return (float)(1e30 * u);
+    case 4:
+        return (float)(1e-30 * u);
+    case 5:
+        return (
+            float[]){ INFINITY, -INFINITY, NAN, -0.0f, 8388608.0f, -8388608.5f, 3e38f, 1e-45f }[pith_rng_below(rng, 8)];
+    default:
+        return (float)(50.0 * u);
     }
 }
 

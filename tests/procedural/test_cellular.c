@@ -91,8 +91,10 @@ static void compare_with_search(const uint32_t period[3], double jitter, size_t 
                                    (long)floor(p.z) + k / 49 - 3 };
             float own;
             const double d = pith_distance(p, feature(&cells, cell, jitter, &own));
-            if (d < first) next = first, first = d, numbered = own;
-            else if (d < next) next = d;
+            if (d < first)
+                next = first, first = d, numbered = own;
+            else if (d < next)
+                next = d;
         }
         CHECK_NEAR(nearest[i], first, 2e-6);
         CHECK_NEAR(second[i], next, 2e-6);
@@ -143,8 +145,10 @@ static void test_corners_and_sides_of_cells(void **state)
         for (int a = 0; a < 3; ++a) {
             const float whole = (float)(int)pith_rng_below(&rng, 100) - 50.0f;
             const uint32_t kind = pith_rng_below(&rng, 4);
-            at[a][i] = kind == 0 ? whole : kind == 1 ? nextafterf(whole, -1000.0f) : kind == 2 ? nextafterf(whole, 1000.0f)
-                                                                                               : whole + 0.5f;
+            at[a][i] = kind == 0   ? whole
+                       : kind == 1 ? nextafterf(whole, -1000.0f)
+                       : kind == 2 ? nextafterf(whole, 1000.0f)
+                                   : whole + 0.5f;
         }
     compare_with_search(NULL, 1.0, 3000);
 }
@@ -165,8 +169,8 @@ static void test_distances_are_continuous(void **state)
         }
         ask(BLOCK, NULL, 1.0, PITH_SIMD_BEST);
         for (int i = 0; i < BLOCK; i += 2) {
-            const double moved = pith_distance(pith_v3(at[0][i], at[1][i], at[2][i]),
-                                               pith_v3(at[0][i + 1], at[1][i + 1], at[2][i + 1]));
+            const double moved =
+                pith_distance(pith_v3(at[0][i], at[1][i], at[2][i]), pith_v3(at[0][i + 1], at[1][i + 1], at[2][i + 1]));
             CHECK_AT_MOST(fabsf(nearest[i] - nearest[i + 1]), moved + 1e-6);
             CHECK_AT_MOST(fabsf(second[i] - second[i + 1]), moved + 1e-6);
             CHECK_AT_LEAST(second[i], nearest[i]);
@@ -234,7 +238,8 @@ static void test_the_function_gives_what_is_asked_for(void **state)
     for (int i = 0; i < BLOCK; ++i)
         for (int a = 0; a < 3; ++a) at[a][i] = 4.0f * points[i][a];
     const node_build build = { .options = &(lattice_options){ .seed = 0 }, .seed = 11 };
-    pith_cellular(at[0], at[1], at[2], BLOCK, NULL, 0.8f, lattice_seed(&build, 0), PITH_SIMD_BEST, nearest, second, number);
+    pith_cellular(at[0], at[1], at[2], BLOCK, NULL, 0.8f, lattice_seed(&build, 0), PITH_SIMD_BEST, nearest, second,
+                  number);
     for (int i = 0; i < BLOCK; ++i) {
         CHECK_NEAR(answers[0][i][0], nearest[i], 1e-6);
         CHECK_NEAR(answers[1][i][0], second[i], 1e-6);

@@ -77,7 +77,8 @@ static void test_it_is_zero_on_the_lattice(void **state)
         CHECK_NEAR(value[i], 0, 0);
         /* There the slope is the gradient itself, of length 2/sqrt(3). */
         CHECK_NEAR(sqrt((double)slope[0][i] * slope[0][i] + (double)slope[1][i] * slope[1][i] +
-                        (double)slope[2][i] * slope[2][i]), 2.0 / sqrt(3.0), 1e-6);
+                        (double)slope[2][i] * slope[2][i]),
+                   2.0 / sqrt(3.0), 1e-6);
     }
 }
 
@@ -95,7 +96,8 @@ static void test_slope_is_the_derivative(void **state)
                 for (int a = 0; a < 3; ++a) {
                     static float middle[3];
                     if (k == 0)
-                        middle[a] = (float)((int)pith_rng_below(&rng, 40) - 20 + (64 + pith_rng_below(&rng, 896)) / 1024.0);
+                        middle[a] =
+                            (float)((int)pith_rng_below(&rng, 40) - 20 + (64 + pith_rng_below(&rng, 896)) / 1024.0);
                     at[a][5 * i + k] = middle[a] + (a == axis ? (float)((k - 2) * h) : 0.0f);
                 }
         ask(5 * POINTS, NULL, PITH_SIMD_BEST, value, slope);
@@ -254,7 +256,9 @@ static void test_spectrum_is_roughly_the_same_in_all_directions(void **state)
 {
     (void)state;
     enum { SIDE = 12, WINDOWS = 600 };
-    static const double ways[4][3] = { { 1, 0, 0 }, { 0.7071, 0.7071, 0 }, { 0.5774, 0.5774, 0.5774 }, { 0.8, 0, 0.6 } };
+    static const double ways[4][3] = {
+        { 1, 0, 0 }, { 0.7071, 0.7071, 0 }, { 0.5774, 0.5774, 0.5774 }, { 0.8, 0, 0.6 }
+    };
     double power[4] = { 0 };
     pith_rng rng = pith_rng_make(8, 0);
     const double pi = acos(-1.0);
@@ -273,9 +277,10 @@ static void test_spectrum_is_roughly_the_same_in_all_directions(void **state)
         for (int d = 0; d < 4; ++d) {
             double real = 0.0, imaginary = 0.0;
             for (int i = 0; i < SIDE * SIDE * SIDE; ++i) {
-                const double turn = 2.0 * pi * 0.8 * (ways[d][0] * ((double)at[0][i] - origin[0]) +
-                                                      ways[d][1] * ((double)at[1][i] - origin[1]) +
-                                                      ways[d][2] * ((double)at[2][i] - origin[2]));
+                const double turn =
+                    2.0 * pi * 0.8 *
+                    (ways[d][0] * ((double)at[0][i] - origin[0]) + ways[d][1] * ((double)at[1][i] - origin[1]) +
+                     ways[d][2] * ((double)at[2][i] - origin[2]));
                 real += weight[i] * value[i] * cos(turn), imaginary += weight[i] * value[i] * sin(turn);
             }
             power[d] += real * real + imaginary * imaginary;
@@ -294,17 +299,20 @@ static void test_seeds_and_cells_are_independent(void **state)
     for (uint32_t seed = 0; seed < 12; ++seed) {
         pith_noise(at[0], at[1], at[2], BLOCK, NULL, seed, PITH_SIMD_BEST, other[0], NULL);
         double together = 0.0, square = 0.0;
-        for (int i = 0; i < BLOCK; ++i) together += (double)value[i] * other[0][i], square += (double)value[i] * value[i];
+        for (int i = 0; i < BLOCK; ++i)
+            together += (double)value[i] * other[0][i], square += (double)value[i] * value[i];
         CHECK_NEAR(together / square, seed == 5 ? 1.0 : 0.0, 0.06);
     }
     /* Two or more cells apart, along any of many ways, values have nothing in common. */
     for (int way = 1; way < 40; ++way) {
         for (int i = 0; i < BLOCK; ++i)
-            for (int a = 0; a < 3; ++a) slope[a][i] = at[a][i] + (float)((way * (a + 3) * 7 % 19) - 9) * (a == 0 ? 1.0f : 2.0f) +
-                                                      (a == 0 ? 20.0f : 0.0f);
+            for (int a = 0; a < 3; ++a)
+                slope[a][i] =
+                    at[a][i] + (float)((way * (a + 3) * 7 % 19) - 9) * (a == 0 ? 1.0f : 2.0f) + (a == 0 ? 20.0f : 0.0f);
         pith_noise(slope[0], slope[1], slope[2], BLOCK, NULL, 5, PITH_SIMD_BEST, other[0], NULL);
         double together = 0.0, square = 0.0;
-        for (int i = 0; i < BLOCK; ++i) together += (double)value[i] * other[0][i], square += (double)value[i] * value[i];
+        for (int i = 0; i < BLOCK; ++i)
+            together += (double)value[i] * other[0][i], square += (double)value[i] * value[i];
         CHECK_NEAR(together / square, 0.0, 0.06);
     }
 }

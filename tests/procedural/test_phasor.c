@@ -184,11 +184,13 @@ static void test_it_repeats_bit_by_bit(void **state)
             for (int i = 0; i < BLOCK; i += 2)
                 for (int a = 0; a < 3; ++a) {
                     points[i][a] = (float)((int)pith_rng_below(&rng, 65536) - 32768) / 4096.0f;
-                    points[i + 1][a] = points[i][a] + 0.5f * (float)(((int)pith_rng_below(&rng, 9) - 4) * periods[p][a]);
+                    points[i + 1][a] =
+                        points[i][a] + 0.5f * (float)(((int)pith_rng_below(&rng, 9) - 4) * periods[p][a]);
                     ways[i + 1][a] = ways[i][a];
                 }
-            const lattice_node node = NODE(node_phasor, { "size", 0.5 }, { "what", what }, { "period_x", periods[p][0] },
-                                           { "period_y", periods[p][1] }, { "period_z", periods[p][2] });
+            const lattice_node node =
+                NODE(node_phasor, { "size", 0.5 }, { "what", what }, { "period_x", periods[p][0] },
+                     { "period_y", periods[p][1] }, { "period_z", periods[p][2] });
             ask(node, answers);
             for (int i = 0; i < BLOCK; i += 2) assert_int_equal(different_bits(answers[i], answers[i + 1], 1), 0);
             node_done(node);

@@ -39,8 +39,10 @@ static void test_both_builds_give_the_same_bits(void **state)
         const lattice_node *node = &nodes[round % 4];
         for (int how = 0; how < 2; ++how) {
             const lattice_kernels *kernels = lattice_kernels_for(how ? PITH_SIMD_SCALAR : PITH_SIMD_BEST);
-            if (round % 4 == 3) kernels->sum_slope(node->state, &at, LANES, &out[how]);
-            else kernels->sum(node->state, &at, LANES, out[how].v[0]);
+            if (round % 4 == 3)
+                kernels->sum_slope(node->state, &at, LANES, &out[how]);
+            else
+                kernels->sum(node->state, &at, LANES, out[how].v[0]);
         }
         for (int a = 0; a < (round % 4 == 3 ? 4 : 1); ++a)
             assert_int_equal(different_bits(out[0].v[a], out[1].v[a], LANES), 0);
@@ -129,12 +131,15 @@ static void test_slope_belongs_to_the_fractal(void **state)
             const double middle = round(points[i][a] * 256.0) / 256.0; /* on a grid, so that steps are exact */
             for (int k = 0; k < 5; ++k) points[i + k][a] = (float)(middle + (a == i % 3 ? (k - 2) * h * size : 0.0));
         }
-    const option_set options[] = { { "size", size }, { "octaves", 3 }, { "lacunarity", 1.9 }, { "seed", 5 }, { NULL, 0 } };
+    const option_set options[] = {
+        { "size", size }, { "octaves", 3 }, { "lacunarity", 1.9 }, { "seed", 5 }, { NULL, 0 }
+    };
     ask_once(node_made(&node_fractal, options), BLOCK, answers);
     ask_once(node_made(&node_slope, options), BLOCK, others);
     double off = 0.0, whole = 0.0;
     for (int i = 0; i + 4 < BLOCK; i += 5) {
-        const double derivative = (8.0 * (answers[i + 3][0] - answers[i + 1][0]) - (answers[i + 4][0] - answers[i][0])) / (12.0 * h);
+        const double derivative =
+            (8.0 * (answers[i + 3][0] - answers[i + 1][0]) - (answers[i + 4][0] - answers[i][0])) / (12.0 * h);
         CHECK_NEAR(others[i + 2][i % 3], derivative, 4e-3); /* stencils across a cell's side lose order */
         off += pow(others[i + 2][i % 3] - derivative, 2), whole += derivative * derivative;
     }
@@ -144,7 +149,8 @@ static void test_slope_belongs_to_the_fractal(void **state)
 static void test_all_octaves_repeat_bit_by_bit(void **state)
 {
     (void)state;
-    static const node_class *const classes[] = { &node_noise, &node_fractal, &node_turbulence, &node_slope, &node_cellular };
+    static const node_class *const classes[] = { &node_noise, &node_fractal, &node_turbulence, &node_slope,
+                                                 &node_cellular };
     static const int periods[][3] = { { 1, 1, 1 }, { 3, 4, 5 }, { 17, 2, 0 } };
     pith_rng rng = pith_rng_make(5, 0);
     for (int c = 0; c < 5; ++c)
@@ -152,7 +158,8 @@ static void test_all_octaves_repeat_bit_by_bit(void **state)
             for (int i = 0; i < BLOCK; i += 2)
                 for (int a = 0; a < 3; ++a) {
                     points[i][a] = (float)((int)pith_rng_below(&rng, 65536) - 32768) / 4096.0f;
-                    points[i + 1][a] = points[i][a] + 0.25f * (float)(((int)pith_rng_below(&rng, 9) - 4) * periods[p][a]);
+                    points[i + 1][a] =
+                        points[i][a] + 0.25f * (float)(((int)pith_rng_below(&rng, 9) - 4) * periods[p][a]);
                 }
             const bool sum = c > 0 && c < 4;
             ask_once(node_made(classes[c], (const option_set[]){ { "size", 0.25 },
@@ -161,7 +168,8 @@ static void test_all_octaves_repeat_bit_by_bit(void **state)
                                                                  { "period_z", periods[p][2] },
                                                                  { sum ? "octaves" : NULL, 7 },
                                                                  { "lacunarity", 2.17 },
-                                                                 { NULL, 0 } }), BLOCK, answers);
+                                                                 { NULL, 0 } }),
+                     BLOCK, answers);
             double different = 0.0;
             for (int i = 0; i < BLOCK; i += 2) {
                 for (int a = 0; a < (c == 3 ? 3 : 1); ++a)
@@ -184,8 +192,8 @@ static void test_no_seam(void **state)
         for (int a = 0; a < 3; ++a) points[i + 1][a] = points[i][a];
         points[i][axis] = nextafterf(seam, -100.0f), points[i + 1][axis] = nextafterf(seam, 100.0f);
     }
-    const option_set options[] = { { "period_x", 3 }, { "period_y", 3 }, { "period_z", 3 }, { "octaves", 4 },
-                                   { "lacunarity", 2.17 }, { NULL, 0 } };
+    const option_set options[] = { { "period_x", 3 }, { "period_y", 3 },      { "period_z", 3 },
+                                   { "octaves", 4 },  { "lacunarity", 2.17 }, { NULL, 0 } };
     ask_once(node_made(&node_fractal, options), BLOCK, answers);
     for (int i = 0; i < BLOCK; i += 2) CHECK_NEAR(answers[i][0], answers[i + 1][0], 2e-5);
 }
@@ -194,12 +202,19 @@ static void test_footprints_average(void **state)
 {
     (void)state;
     static const double diameters[] = { 0.3, 0.7, 1.2, 2.0, 4.0, 20.0 };
-    static const struct { const node_class *class; bool octaves; } cases[] = {
-        { &node_noise, false }, { &node_slope, false }, { &node_fractal, true }, { &node_turbulence, true },
+    static const struct {
+        const node_class *class;
+        bool octaves;
+    } cases[] = {
+        { &node_noise, false },
+        { &node_slope, false },
+        { &node_fractal, true },
+        { &node_turbulence, true },
     };
     for (int c = 0; c < 4; ++c) {
-        const lattice_node node = node_made(cases[c].class, (const option_set[]){ { cases[c].octaves ? "octaves" : NULL, 4 },
-                                                                                  { "gain", 0.7 }, { NULL, 0 } });
+        const lattice_node node =
+            node_made(cases[c].class,
+                      (const option_set[]){ { cases[c].octaves ? "octaves" : NULL, 4 }, { "gain", 0.7 }, { NULL, 0 } });
         for (int d = 0; d < 6; ++d) {
             const filter_measure m = measure_filter(node, NULL, diameters[d], 200.0);
             /* Nearly as near as any multiple of the function can be; a sum is nearer, as each octave has its own. */
@@ -246,7 +261,8 @@ static void test_footprints_do_not_jump(void **state)
 static void test_other_lanes_do_not_matter(void **state)
 {
     (void)state;
-    static const node_class *const classes[] = { &node_noise, &node_fractal, &node_turbulence, &node_slope, &node_cellular };
+    static const node_class *const classes[] = { &node_noise, &node_fractal, &node_turbulence, &node_slope,
+                                                 &node_cellular };
     static lanes at, out;
     for (int c = 0; c < 5; ++c) {
         const lattice_node node = node_made(classes[c], (const option_set[]){ { NULL, 0 } });
@@ -263,6 +279,26 @@ static void test_other_lanes_do_not_matter(void **state)
     }
 }
 
+static void test_memory_may_be_out(void **state)
+{
+    (void)state;
+    static const node_class *const classes[] = { &node_noise, &node_fractal,  &node_turbulence,
+                                                 &node_slope, &node_cellular, &node_phasor };
+    pith_error err;
+    for (int c = 0; c < 6; ++c) {
+        char options[256];
+        assert_true(classes[c]->shown.params->size <= sizeof options);
+        pith_params_defaults(classes[c]->shown.params, options);
+        const node_build build = { .options = options };
+        void *made = &err;
+        pith_memory_fail_after(0);
+        const pith_status status = classes[c]->prepare(&build, &made, &err);
+        pith_memory_fail_after(SIZE_MAX);
+        assert_int_equal(status, PITH_NO_MEMORY);
+        assert_true(made == &err);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -276,6 +312,7 @@ int main(void)
         cmocka_unit_test(test_large_footprints_give_the_mean),
         cmocka_unit_test(test_footprints_do_not_jump),
         cmocka_unit_test(test_other_lanes_do_not_matter),
+        cmocka_unit_test(test_memory_may_be_out),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
