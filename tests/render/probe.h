@@ -2,7 +2,7 @@
 #ifndef PITH_TESTS_PROBE_H
 #define PITH_TESTS_PROBE_H
 
-#include "../src/solid/solid_kind.h"
+#include "pith/solid_kind.h"
 #include "check.h"
 
 enum { PROBE_ROOM = 1 << 16 };
