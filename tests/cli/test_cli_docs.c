@@ -75,6 +75,13 @@ static void test_cuts_and_volumes(void **state)
     CHECK_AT_LEAST(run_page("docs/volumes.md"), 3);
 }
 
+static void test_procedural(void **state)
+{
+    (void)state;
+    CHECK_AT_LEAST(run_page("docs/procedural.md"), 4);
+    CHECK_RUN(0, "test -f block.png -a -f spindles.png");
+}
+
 static void test_editing(void **state)
 {
     (void)state;
@@ -97,6 +104,7 @@ int main(void)
         cmocka_unit_test(test_the_tutorial),
         cmocka_unit_test(test_cuts_and_volumes),
         cmocka_unit_test(test_the_editor),
+        cmocka_unit_test(test_procedural),
         cmocka_unit_test(test_editing),
         cmocka_unit_test(test_fields),
     };
