@@ -31,12 +31,7 @@ static pith_status render_surface(const cli_model *opened, const cli_line *line,
     if (count == 0) return nothing_left(opened, err);
     PITH_TRY(pith_model_view(opened->model, &(pith_camera){ 0 }, &options, err));
     cli_apply_params(line, &pith_render_params, &options);
-    pith_box box = pith_box_empty();
-    for (size_t i = 0; i < count; ++i) {
-        const pith_shell_view shell = pith_shell_look(items[i].shell);
-        for (uint32_t v = 0; v < shell.vertex_count; ++v)
-            pith_box_add(&box, pith_add(shell.positions[v], items[i].offset));
-    }
+    const pith_box box = pith_render_box(items, count);
     const double aspect = (double)options.width / options.height;
     const pith_camera camera = cli_place_camera(&asked->camera, opened->document, &box, aspect);
     pith_image *image = NULL;
@@ -85,9 +80,9 @@ static int check_kind(const cli_line *line, bool through)
 static int check_flags(const cli_line *line, const render_flags *asked)
 {
     const char *out = asked->out;
-    if (!out || !(pith_path_has_extension(out, "png") || pith_path_has_extension(out, "jpg") ||
-                  pith_path_has_extension(out, "jpeg")))
-        return cli_misuse("render", "expected -o FILE ending in .png or .jpg%s%s", out ? ", got " : "", out ? out : "");
+    if (!out || !cli_is_picture(out))
+        return cli_misuse("render", "expected -o FILE ending in .png, .jpg or .exr%s%s", out ? ", got " : "",
+                          out ? out : "");
     if (asked->volume && asked->surface) return cli_misuse("render", "--volume and --surface exclude one another");
     int code = cli_check_camera("render", &asked->camera);
     if (code == CLI_GO_ON) code = cli_check_cut(line, &asked->cut);
@@ -100,7 +95,7 @@ int verb_render(int argc, char **argv)
     cli_model_flags common = { 0 };
     render_flags asked = { 0 };
     const cli_flag flags[] = {
-        { "out", 'o', CLI_TEXT, &asked.out, "FILE", "the picture: .png or .jpg", 0, 0, NULL },
+        { "out", 'o', CLI_TEXT, &asked.out, "FILE", "the picture: .png, .jpg or .exr", 0, 0, NULL },
         CLI_CAMERA_FLAGS(asked.camera),
         CLI_CUT_FLAGS(asked.cut),
         { "volume", 0, CLI_SWITCH, &asked.volume, NULL, "look through the model, though the document does not say so",
