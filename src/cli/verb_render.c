@@ -80,9 +80,9 @@ static int check_kind(const cli_line *line, bool through)
 static int check_flags(const cli_line *line, const render_flags *asked)
 {
     const char *out = asked->out;
-    if (!out || !(pith_path_has_extension(out, "png") || pith_path_has_extension(out, "jpg") ||
-                  pith_path_has_extension(out, "jpeg")))
-        return cli_misuse("render", "expected -o FILE ending in .png or .jpg%s%s", out ? ", got " : "", out ? out : "");
+    if (!out || !cli_is_picture(out))
+        return cli_misuse("render", "expected -o FILE ending in .png, .jpg or .exr%s%s", out ? ", got " : "",
+                          out ? out : "");
     if (asked->volume && asked->surface) return cli_misuse("render", "--volume and --surface exclude one another");
     int code = cli_check_camera("render", &asked->camera);
     if (code == CLI_GO_ON) code = cli_check_cut(line, &asked->cut);
@@ -95,7 +95,7 @@ int verb_render(int argc, char **argv)
     cli_model_flags common = { 0 };
     render_flags asked = { 0 };
     const cli_flag flags[] = {
-        { "out", 'o', CLI_TEXT, &asked.out, "FILE", "the picture: .png or .jpg", 0, 0, NULL },
+        { "out", 'o', CLI_TEXT, &asked.out, "FILE", "the picture: .png, .jpg or .exr", 0, 0, NULL },
         CLI_CAMERA_FLAGS(asked.camera),
         CLI_CUT_FLAGS(asked.cut),
         { "volume", 0, CLI_SWITCH, &asked.volume, NULL, "look through the model, though the document does not say so",

@@ -168,10 +168,7 @@ pith_status pith_model_camera(pith_model *model, double aspect, pith_camera *cam
         const pith_render_item *items;
         size_t count;
         PITH_TRY(pith_model_items(model, &items, &count, err));
-        for (size_t i = 0; i < count; ++i) {
-            const pith_shell_view shell = pith_shell_look(items[i].shell);
-            add_points(&box, shell.positions, shell.vertex_count, items[i].offset);
-        }
+        box = pith_render_box(items, count);
     }
     return camera_for(model, &box, aspect, camera, err);
 }

@@ -60,7 +60,7 @@ static void test_wrong_usage_is_2_and_helps(void **state)
         { "render small.pith -o x.png --ground maybe", "ground is \"maybe\", expected yes or no" },
         { "render small.pith -o x.png --plane 1,2,3", "expected px,py,pz,nx,ny,nz" },
         { "render small.pith -o x.png --plane 0,0,0,0,0,0", "not zero" },
-        { "render small.pith -o x.gif", "ending in .png or .jpg" },
+        { "render small.pith -o x.gif", "ending in .png, .jpg or .exr" },
         { "render small.pith -o x.png --keep positive", "--keep goes with --plane" },
         { "render small.pith -o x.png --gap 1", "--gap goes with --plane" },
         { "render small.pith -o x.png --plane 0,0,0,0,0,1 --keep all", "expected one of both, positive, negative" },
