@@ -18,6 +18,8 @@ bench_run bench_lapped, bench_fields, bench_render, bench_volume, bench_cut, ben
 
 /* Accuracy of orientations recovered from strokes; part of bench_fields. */
 bench_run bench_orientation;
+/* The shipped computed solids and a picture of them; part of bench_procedural. */
+bench_run bench_scene;
 /* Streamlines on sections and skins; the same. */
 bench_run bench_look;
 /* A closed surface: the profile (radius, height), from axis to axis, turned about z; and a cylinder of radius 1. */

@@ -151,5 +151,5 @@ pith_status bench_procedural(const bench_options *options, json_t *cases, pith_e
         pith_solid_destroy(s.solid);
     }
     pith_threads_set(threads);
-    return status;
+    return status == PITH_OK ? bench_scene(options, cases, err) : status;
 }
