@@ -165,8 +165,24 @@ static void test_the_kiwi(void **state)
     CHECK_AT_MOST(fine.mean, 0.5 * coarse.mean);
 }
 
+/* Several bodies, layers of cake between smooth cream. */
+static void test_the_cake(void **state)
+{
+    (void)state;
+    const difference found = bake_and_compare("cake", 80, 240);
+    CHECK_AT_MOST(found.mean, 0.02);
+}
+
+static void test_the_rabbit(void **state)
+{
+    (void)state;
+    const difference found = bake_and_compare("bunny_stroke", 50, 240);
+    CHECK_AT_MOST(found.mean, 0.02);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = { cmocka_unit_test(test_the_kiwi) };
+    const struct CMUnitTest tests[] = { cmocka_unit_test(test_the_kiwi), cmocka_unit_test(test_the_cake),
+                                        cmocka_unit_test(test_the_rabbit) };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
