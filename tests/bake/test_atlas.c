@@ -247,6 +247,8 @@ static void check_layout(const pith_shell *shell, const pith_solid *solid, const
     }
     for (uint32_t c = 0; c < report.charts; ++c) assert_true(kind[c] == 1 || kind[c] == 2);
     free(kind);
+    for (size_t i = 0; i < (size_t)image->width * image->height * image->channels; ++i)
+        assert_true(image->pixels[i] >= 0.0f && image->pixels[i] <= 1.0f); /* gaps between charts too */
     check_density(textured, o, &report);
     uint32_t *charts = malloc((size_t)image->width * image->height * sizeof *charts);
     const double painted = (double)paint_charts(textured, o->margin, charts);
