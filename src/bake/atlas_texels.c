@@ -7,12 +7,13 @@
 
 #include <string.h>
 
-enum { TILE = 64, RIM = 1 };
+enum { RIM = 1 };
 
 /* What is read by all threads. */
 typedef struct fill {
     const atlas *atlas;
     const pith_progress *progress;
+    uint32_t side;               /* of a tile, texels: fewer where each has many samples */
     uint32_t columns, rows;      /* of tiles */
     uint32_t *first, *triangles; /* [tiles + 1]; those that a tile may need */
     double (**weights)[3][4];    /* [item_count] of shells */
@@ -36,7 +37,7 @@ typedef struct tile {
     uint64_t filled;
 } tile;
 
-static uint32_t tile_side(const fill *f) { return (TILE + 2 * RIM) * f->atlas->options->samples; }
+static uint32_t tile_side(const fill *f) { return (f->side + 2 * RIM) * f->atlas->options->samples; }
 
 static void tile_free(tile *t)
 {
@@ -249,13 +250,13 @@ static void filter_texel(const fill *f, const tile *t, uint32_t x, uint32_t y, u
 
 static pith_status fill_tile(const fill *f, tile *t, uint32_t number, pith_error *err)
 {
-    const uint32_t left = number % f->columns * TILE, bottom = number / f->columns * TILE;
+    const uint32_t left = number % f->columns * f->side, bottom = number / f->columns * f->side;
     t->left = (double)left - RIM;
     t->bottom = (double)bottom - RIM;
     find_triangles(f, t, number);
     PITH_TRY(ask(f, t, err));
-    for (uint32_t y = 0; y < TILE && bottom + y < f->image->height; ++y)
-        for (uint32_t x = 0; x < TILE && left + x < f->image->width; ++x) {
+    for (uint32_t y = 0; y < f->side && bottom + y < f->image->height; ++y)
+        for (uint32_t x = 0; x < f->side && left + x < f->image->width; ++x) {
             float *out =
                 f->image->pixels + 4 * ((size_t)(f->image->height - 1 - bottom - y) * f->image->width + left + x);
             const uint32_t chart = texel_chart(f, t, x, y);
@@ -273,8 +274,8 @@ static pith_status fill_tile(const fill *f, tile *t, uint32_t number, pith_error
 static void tiles_near(const fill *f, double low, double high, uint32_t most, uint32_t range[2])
 {
     const double reach = f->atlas->options->margin + 2.0 * RIM;
-    range[0] = (uint32_t)fmax(0.0, floor((low - reach) / TILE));
-    range[1] = (uint32_t)fmin(most, floor((high + reach) / TILE) + 1.0);
+    range[0] = (uint32_t)fmax(0.0, floor((low - reach) / f->side));
+    range[1] = (uint32_t)fmin(most, floor((high + reach) / f->side) + 1.0);
 }
 
 static pith_status list_triangles(fill *f, pith_error *err)
@@ -339,10 +340,12 @@ pith_status atlas_fill(const atlas *a, const pith_progress *progress, pith_image
                        pith_error *err)
 {
     pith_status status = PITH_OK;
+    const uint32_t side = a->options->samples > 4 ? 32 : 64; /* some 70 000 samples a tile at most */
     fill f = { .atlas = a,
                .progress = progress,
-               .columns = (image->width + TILE - 1) / TILE,
-               .rows = (image->height + TILE - 1) / TILE,
+               .side = side,
+               .columns = (image->width + side - 1) / side,
+               .rows = (image->height + side - 1) / side,
                .image = image,
                .channels = 4,
                .footprint = (float)(1.0 / (a->options->density * a->options->samples)) };
