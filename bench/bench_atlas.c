@@ -2,8 +2,13 @@
    texels are made, and how well the atlas is used. */
 #include "bench.h"
 
-/* A shipped model as it is cut, at this density; where detail is not 0 a fruit with so many tetrahedra and so fine a skin. */
-typedef struct atlas_case { const char *name, *example; double density; int tetrahedra, detail; } atlas_case;
+/* A shipped model as it is cut, at this density; where detail is not 0 a fruit with so many tetrahedra and so fine a
+   skin. */
+typedef struct atlas_case {
+    const char *name, *example;
+    double density;
+    int tetrahedra, detail;
+} atlas_case;
 
 static pith_status measure(const atlas_case *one, pith_model *model, const bench_options *options, json_t *cases,
                            pith_error *err)
@@ -35,15 +40,15 @@ static pith_status measure(const atlas_case *one, pith_model *model, const bench
     pith_free(items);
     if (status != PITH_OK) return status;
     const double texels = report.filled * report.width * report.height;
-    json_array_append_new(
-        cases, json_pack("{ss si sf sf sf sf sf si si si sf sf sf sf sf}", "name", one->name, "triangles",
-                         (int)triangles, "layout_min_s", bench_min(&layout), "layout_median_s", bench_median(&layout),
-                         "ask_min_s", bench_min(&ask), "ask_median_s", bench_median(&ask), "megatexels_per_s",
-                         1e-6 * texels / bench_min(&ask), "charts", (int)report.charts, "width", (int)report.width,
-                         "height", (int)report.height, "covered_fraction", report.covered, "filled_fraction",
-                         report.filled, "stretch_ratio", report.most_density / report.least_density,
-                         "mean_density_over_asked_ratio", report.mean_density / asked.density, "peak_memory_bytes",
-                         bench_peak()));
+    json_array_append_new(cases, json_pack("{ss si sf sf sf sf sf si si si sf sf sf sf sf}", "name", one->name,
+                                           "triangles", (int)triangles, "layout_min_s", bench_min(&layout),
+                                           "layout_median_s", bench_median(&layout), "ask_min_s", bench_min(&ask),
+                                           "ask_median_s", bench_median(&ask), "megatexels_per_s",
+                                           1e-6 * texels / bench_min(&ask), "charts", (int)report.charts, "width",
+                                           (int)report.width, "height", (int)report.height, "covered_fraction",
+                                           report.covered, "filled_fraction", report.filled, "stretch_ratio",
+                                           report.most_density / report.least_density, "mean_density_over_asked_ratio",
+                                           report.mean_density / asked.density, "peak_memory_bytes", bench_peak()));
     return PITH_OK;
 }
 
@@ -56,8 +61,10 @@ static pith_status run_case(const atlas_case *one, const bench_options *options,
     pith_document *document = NULL;
     pith_model *model = NULL;
     const bench_fineness fineness = { one->tetrahedra, one->detail };
-    if (one->detail) PITH_TRY(bench_load(path, bench_set_fineness, &fineness, &document, err));
-    else PITH_TRY(pith_document_load(path, &document, err));
+    if (one->detail)
+        PITH_TRY(bench_load(path, bench_set_fineness, &fineness, &document, err));
+    else
+        PITH_TRY(pith_document_load(path, &document, err));
     const pith_model_options fresh = { .cache = false };
     pith_status status = pith_model_create(document, &fresh, NULL, &model, err);
     if (status == PITH_OK) status = measure(one, model, options, cases, err);

@@ -46,8 +46,8 @@ typedef struct pith_atlas_item {
 typedef struct pith_atlas_options {
     double density;         /* texels per model unit: everywhere on the surface, in every direction, at least these */
     double stretch;         /* and at most this many times as many; less gives more and smaller charts */
-    uint32_t margin;        /* texels round every chart that are filled as its edge is: bilinear filtering needs 1, every
-                               mip level twice as many as the one before */
+    uint32_t margin;        /* texels round every chart that are filled as its edge is: bilinear filtering needs 1, the
+                               first mip level 3, each further one twice as many */
     uint32_t samples;       /* the solid is asked samples² times a texel */
     uint32_t max_size;      /* longest side of the atlas, texels */
     double roughness;       /* of the material, 0 a mirror … 1 chalk */

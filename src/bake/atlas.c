@@ -117,11 +117,11 @@ static void densities(const atlas *a, uint32_t triangle, double *least, double *
 {
     const atlas_surface *s = &a->surface;
     const uint32_t *v = s->triangles[triangle];
-    const pith_vec3 e = pith_sub(s->positions[v[1]], s->positions[v[0]]), f = pith_sub(s->positions[v[2]],
-                                                                                      s->positions[v[0]]);
+    const pith_vec3 e = pith_sub(s->positions[v[1]], s->positions[v[0]]),
+                    f = pith_sub(s->positions[v[2]], s->positions[v[0]]);
     const pith_vec3 x = pith_unit(e), y = pith_cross(s->facets[triangle], x);
     const double ex = pith_dot(e, x), fx = pith_dot(f, x), fy = pith_dot(f, y);
-    const double (*p)[2] = (const double (*)[2])a->places[triangle];
+    const double(*p)[2] = (const double(*)[2])a->places[triangle];
     double column[2][2]; /* images of x and y */
     for (int d = 0; d < 2; ++d) {
         column[0][d] = (p[1][d] - p[0][d]) / ex;
@@ -222,9 +222,11 @@ static pith_status make_mesh(const atlas *a, pith_mesh **mesh, pith_error *err)
         m.texcoords[i][0] = (float)(a->places[triangle][k][0] / a->width);
         m.texcoords[i][1] = (float)(a->places[triangle][k][1] / a->height);
     }
-    const pith_mesh_view view = { .positions = m.positions, .normals = m.normals,
-                                  .texcoords = (const float (*)[2])m.texcoords,
-                                  .triangles = (const uint32_t (*)[3])m.triangles, .vertex_count = m.count,
+    const pith_mesh_view view = { .positions = m.positions,
+                                  .normals = m.normals,
+                                  .texcoords = (const float(*)[2])m.texcoords,
+                                  .triangles = (const uint32_t(*)[3])m.triangles,
+                                  .vertex_count = m.count,
                                   .triangle_count = a->surface.triangle_count };
     status = pith_mesh_create(&view, mesh, err);
 done:
@@ -257,12 +259,16 @@ static pith_status check_items(const pith_atlas_item *items, size_t count, const
 {
     if (!items || !options || !textured)
         return pith_fail(err, PITH_BAD_ARGUMENT, "pith_bake_atlas: %s is NULL",
-                         !items ? "items" : !options ? "options" : "textured");
+                         !items     ? "items"
+                         : !options ? "options"
+                                    : "textured");
     for (size_t i = 0; i < count; ++i)
         if (!items[i].shell || !items[i].solid || !pith_finite(items[i].offset))
             return pith_fail(err, PITH_BAD_ARGUMENT, "pith_bake_atlas: %s of item %zu is %s",
-                             !items[i].shell ? "shell" : !items[i].solid ? "solid" : "offset", i,
-                             !items[i].shell || !items[i].solid ? "NULL" : "not finite");
+                             !items[i].shell   ? "shell"
+                             : !items[i].solid ? "solid"
+                                               : "offset",
+                             i, !items[i].shell || !items[i].solid ? "NULL" : "not finite");
     return pith_params_check(&pith_atlas_params, options, err);
 }
 

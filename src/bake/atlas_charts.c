@@ -51,7 +51,10 @@ double atlas_cone(const pith_vec3 *directions, size_t count, pith_vec3 *axis)
 /* ---- growing ----------------------------------------------------------------------------------------------------- */
 
 /* A triangle that a chart could take next. */
-typedef struct step { double cost; uint32_t triangle, chart; } step;
+typedef struct step {
+    double cost;
+    uint32_t triangle, chart;
+} step;
 typedef struct growth {
     atlas *atlas;
     step *heap;
@@ -124,7 +127,10 @@ static pith_status add_chart(atlas *a, pith_vec3 axis, pith_error *err)
     return PITH_OK;
 }
 
-typedef struct ranked { double key; uint32_t index; } ranked;
+typedef struct ranked {
+    double key;
+    uint32_t index;
+} ranked;
 
 static int by_key_down(const void *a, const void *b)
 {
@@ -227,11 +233,12 @@ static uint32_t flood(const atlas *a, uint32_t first, uint32_t *queue, uint32_t 
     return filled;
 }
 
-/* Puts every chart's triangles so that each lies beside an earlier one. What does not hang together with its chart's first
-   triangle leaves the chart. */
+/* Puts every chart's triangles so that each lies beside an earlier one. What does not hang together with its chart's
+   first triangle leaves the chart. */
 static pith_status order_members(atlas *a, pith_error *err)
 {
-    bool *seen = pith_alloc(a->surface.triangle_count, sizeof *seen), *begun = pith_alloc(a->chart_count, sizeof *begun);
+    bool *seen = pith_alloc(a->surface.triangle_count, sizeof *seen),
+         *begun = pith_alloc(a->chart_count, sizeof *begun);
     uint32_t filled = 0;
     for (uint32_t t = 0; seen && begun && t < a->surface.triangle_count; ++t) {
         const uint32_t c = a->chart_of[t];
@@ -303,7 +310,10 @@ static pith_status relax(growth *g, pith_vec3 *facets, pith_error *err)
 
 /* ---- merging ----------------------------------------------------------------------------------------------------- */
 
-typedef struct border { uint32_t a, b; double length; } border;
+typedef struct border {
+    uint32_t a, b;
+    double length;
+} border;
 
 static int by_pair(const void *x, const void *y)
 {
@@ -339,8 +349,10 @@ static pith_status find_borders(const atlas *a, border **borders, size_t *count,
         }
     if (n) qsort(list, n, sizeof *list, by_pair);
     for (size_t i = 0; i < n; ++i) {
-        if (kept > 0 && by_pair(&list[kept - 1], &list[i]) == 0) list[kept - 1].length += list[i].length;
-        else list[kept++] = list[i];
+        if (kept > 0 && by_pair(&list[kept - 1], &list[i]) == 0)
+            list[kept - 1].length += list[i].length;
+        else
+            list[kept++] = list[i];
     }
     if (kept) qsort(list, kept, sizeof *list, by_length_down);
     *borders = list;
@@ -349,7 +361,10 @@ static pith_status find_borders(const atlas *a, border **borders, size_t *count,
 }
 
 /* Charts that became one: a list of them, by their first. */
-typedef struct merging { uint32_t *root, *next, *last; pith_vec3 *facets; } merging;
+typedef struct merging {
+    uint32_t *root, *next, *last;
+    pith_vec3 *facets;
+} merging;
 
 static uint32_t root_of(merging *m, uint32_t chart)
 {
@@ -382,8 +397,10 @@ static pith_status merge(growth *g, pith_vec3 *facets, pith_error *err)
     size_t count = 0;
     pith_status status = PITH_OK;
     list_members(a);
-    merging m = { .root = pith_alloc(a->chart_count, sizeof *m.root), .next = pith_alloc(a->chart_count, sizeof *m.next),
-                  .last = pith_alloc(a->chart_count, sizeof *m.last), .facets = facets };
+    merging m = { .root = pith_alloc(a->chart_count, sizeof *m.root),
+                  .next = pith_alloc(a->chart_count, sizeof *m.next),
+                  .last = pith_alloc(a->chart_count, sizeof *m.last),
+                  .facets = facets };
     if (!m.root || !m.next || !m.last) status = PITH_OUT_OF_MEMORY(err, "charts");
     if (status == PITH_OK) status = find_borders(a, &borders, &count, err);
     if (status == PITH_OK) {

@@ -11,10 +11,14 @@
 enum { TURNS = 12, WIDTHS = 32, RECTANGLES = 90 };
 static const double slack = 1e-7; /* texels: rounding must not put a chart's rim into the texel beside */
 
-typedef struct slope { double a, b; } slope;
+typedef struct slope {
+    double a, b;
+} slope;
 
 /* An ellipse round the slopes: its first axis, and how far to stretch along both. */
-typedef struct ellipse { double angle, along, across; } ellipse;
+typedef struct ellipse {
+    double angle, along, across;
+} ellipse;
 
 /* Square of the least half axis across for a square `half` of the one along; infinite when that is too short. */
 static double least_across(const slope *slopes, size_t count, double cosine, double sine, double half)
@@ -33,8 +37,7 @@ static double least_across(const slope *slopes, size_t count, double cosine, dou
 static ellipse find_ellipse(const slope *slopes, size_t count)
 {
     double circle = 0.0;
-    for (size_t i = 0; i < count; ++i)
-        circle = fmax(circle, slopes[i].a * slopes[i].a + slopes[i].b * slopes[i].b);
+    for (size_t i = 0; i < count; ++i) circle = fmax(circle, slopes[i].a * slopes[i].a + slopes[i].b * slopes[i].b);
     ellipse best = { 0.0, sqrt(1.0 + circle), sqrt(1.0 + circle) };
     for (int turn = 0; circle > 0.0 && turn < TURNS; ++turn) {
         const double angle = M_PI * turn / TURNS, cosine = cos(angle), sine = sin(angle);
@@ -113,8 +116,7 @@ static bool flatten_chart(atlas *a, atlas_chart *chart, slope *slopes, pith_vec3
     size_t count = 0;
     for (uint32_t i = 0; i < chart->count; ++i) {
         const double rise = pith_dot(facets[i], chart->axis);
-        if (rise > 0.0)
-            slopes[count++] = (slope){ pith_dot(facets[i], right) / rise, pith_dot(facets[i], up) / rise };
+        if (rise > 0.0) slopes[count++] = (slope){ pith_dot(facets[i], right) / rise, pith_dot(facets[i], up) / rise };
     }
 
     const ellipse e = find_ellipse(slopes, count);

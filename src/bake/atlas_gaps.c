@@ -8,7 +8,7 @@
 enum { LEVELS = 16 };
 
 typedef struct level {
-    float (*texels)[4];     /* [height][width]; opacity below 0: nothing there */
+    float (*texels)[4]; /* [height][width]; opacity below 0: nothing there */
     uint32_t width, height;
 } level;
 
@@ -36,14 +36,13 @@ static void push(const level *from, level *to)
     for (uint32_t y = 0; y < to->height; ++y)
         for (uint32_t x = 0; x < to->width; ++x) {
             float *out = to->texels[(size_t)y * to->width + x];
-            if (!(out[3] >= 0.0f))
-                memcpy(out, from->texels[(size_t)(y / 2) * from->width + x / 2], sizeof *to->texels);
+            if (!(out[3] >= 0.0f)) memcpy(out, from->texels[(size_t)(y / 2) * from->width + x / 2], sizeof *to->texels);
         }
 }
 
 pith_status atlas_fill_gaps(pith_image *image, pith_error *err)
 {
-    level levels[LEVELS] = { { (float (*)[4])image->pixels, image->width, image->height } };
+    level levels[LEVELS] = { { (float(*)[4])image->pixels, image->width, image->height } };
     int count = 1;
     bool made = true;
     for (; made && (levels[count - 1].width > 1 || levels[count - 1].height > 1); ++count) {

@@ -11,16 +11,16 @@
 typedef struct atlas_surface {
     const pith_atlas_item *items;
     size_t item_count;
-    pith_shell_view *shells;        /* [item_count] */
+    pith_shell_view *shells;                 /* [item_count] */
     uint32_t *first_vertex, *first_triangle; /* [item_count + 1] */
-    pith_vec3 *positions;           /* [vertex_count] offsets added */
-    uint32_t (*triangles)[3];       /* [triangle_count], numbering all items' vertices */
-    uint32_t *item;                 /* [triangle_count] */
-    pith_vec3 (*normals)[3];        /* [triangle_count] unit, at corners */
-    pith_vec3 *facets;              /* [triangle_count] unit; zero: too thin to have a direction */
-    pith_vec3 *middles;             /* [triangle_count] */
-    double *areas;                  /* [triangle_count] */
-    uint32_t (*mates)[3];           /* [triangle_count] the one triangle of the same kind across edge k; PITH_NONE */
+    pith_vec3 *positions;                    /* [vertex_count] offsets added */
+    uint32_t (*triangles)[3];                /* [triangle_count], numbering all items' vertices */
+    uint32_t *item;                          /* [triangle_count] */
+    pith_vec3 (*normals)[3];                 /* [triangle_count] unit, at corners */
+    pith_vec3 *facets;                       /* [triangle_count] unit; zero: too thin to have a direction */
+    pith_vec3 *middles;                      /* [triangle_count] */
+    double *areas;                           /* [triangle_count] */
+    uint32_t (*mates)[3]; /* [triangle_count] the one triangle of the same kind across edge k; PITH_NONE */
     uint32_t vertex_count, triangle_count;
 } atlas_surface;
 
@@ -28,19 +28,19 @@ pith_status atlas_surface_make(const pith_atlas_item *items, size_t count, atlas
 void atlas_surface_free(atlas_surface *surface);
 
 typedef struct atlas_chart {
-    pith_vec3 axis;                 /* all its facets are turned from it by no more than the limit */
-    uint32_t first, count;          /* its triangles in atlas.order, each but the first beside an earlier one */
-    uint32_t width, height;         /* texels with margins; after packing as it lies */
-    uint32_t x, y;                  /* of the lower left corner in the atlas, texels */
-    bool flat;                      /* coordinates are made and nothing lies over itself */
+    pith_vec3 axis;         /* all its facets are turned from it by no more than the limit */
+    uint32_t first, count;  /* its triangles in atlas.order, each but the first beside an earlier one */
+    uint32_t width, height; /* texels with margins; after packing as it lies */
+    uint32_t x, y;          /* of the lower left corner in the atlas, texels */
+    bool flat;              /* coordinates are made and nothing lies over itself */
 } atlas_chart;
 
 typedef struct atlas {
     const pith_atlas_options *options;
     atlas_surface surface;
-    uint32_t *chart_of;             /* [triangle_count] PITH_NONE: in none yet */
-    uint32_t *order;                /* [triangle_count] */
-    double (*places)[3][2];         /* [triangle_count] of corners, texels, y upwards: in the chart, in the end in the atlas */
+    uint32_t *chart_of;     /* [triangle_count] PITH_NONE: in none yet */
+    uint32_t *order;        /* [triangle_count] */
+    double (*places)[3][2]; /* [triangle_count] of corners, texels, y upwards: in the chart, in the end in the atlas */
     atlas_chart *charts;
     size_t chart_count, chart_room;
     uint32_t width, height;

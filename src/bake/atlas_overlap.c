@@ -1,15 +1,15 @@
 /* Charts that would lie over themselves: a surface that winds up like a screw looks one way everywhere, and still cannot
-   be laid flat. Found on the raster: no texel may be covered twice, and what a texel mixes, as far as its neighbours, must
-   be near in space too. Of two triangles that meet so, the later one has to leave. */
+   be laid flat. Found on the raster: no texel may be covered twice, and what a texel mixes, as far as its neighbours,
+   must be near in space too. Of two triangles that meet so, the later one has to leave. */
 #include "atlas_internal.h"
 
-static const double reach = 1.0;    /* texels: what bilinear filtering can mix */
-static const double apart = 4.0;    /* texels in space; on one sheet 2 would be the most */
+static const double reach = 1.0; /* texels: what bilinear filtering can mix */
+static const double apart = 4.0; /* texels in space; on one sheet 2 would be the most */
 
 bool atlas_covers(const atlas *a, uint32_t triangle, const double at[2])
 {
     const uint32_t *v = a->surface.triangles[triangle];
-    const double (*p)[2] = (const double (*)[2])a->places[triangle];
+    const double(*p)[2] = (const double(*)[2])a->places[triangle];
     for (int k = 0; k < 3; ++k) {
         const int l = (k + 1) % 3;
         const bool forward = v[k] < v[l];
@@ -30,7 +30,7 @@ double atlas_segment(const double a[2], const double b[2], const double p[2], do
 
 double atlas_nearest(const atlas *a, uint32_t triangle, const double at[2], double weights[3])
 {
-    const double (*p)[2] = (const double (*)[2])a->places[triangle];
+    const double(*p)[2] = (const double(*)[2])a->places[triangle];
     const double area = atlas_cross(p[0], p[1], p[2]);
     const double part[3] = { atlas_cross(p[1], p[2], at), atlas_cross(p[2], p[0], at), atlas_cross(p[0], p[1], at) };
     if (area > 0.0 && part[0] >= 0.0 && part[1] >= 0.0 && part[2] >= 0.0) {
@@ -131,8 +131,10 @@ pith_status atlas_part_overlaps(atlas *a, uint32_t *removed, pith_error *err)
         atlas_chart *chart = &a->charts[c];
         if (chart->flat) continue;
         const uint32_t left = part_chart(a, chart);
-        if (left == PITH_NONE) made = false;
-        else sum += left;
+        if (left == PITH_NONE)
+            made = false;
+        else
+            sum += left;
         chart->flat = left == 0;
     }
     *removed = sum;

@@ -1,26 +1,33 @@
-/* Packing: charts fall, tallest first, onto the skyline of those that lie already, each in the turn and at the place where
-   it comes to lie lowest, its own outline fitted to the skyline (Lévy, Petitjean, Ray and Maillot, "Least Squares
-   Conformal Maps", SIGGRAPH 2002, section 4). Several widths are tried; the smallest atlas is taken. */
+/* Packing: charts, largest first, each in the turn and at the place where it comes to lie lowest, then leftmost, between
+   those that lie already, holes among them (bottom-left; Baker, Coffman and Rivest, "Orthogonal packings in two
+   dimensions", SIAM Journal on Computing 9(4), 1980, with outlines instead of boxes). Places are multiples of a cell;
+   several widths are tried, and the smallest atlas is taken. */
 #include "atlas_internal.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-enum { ATTEMPTS = 9 };
+enum { ATTEMPTS = 12, CELLS = 400, HINTS = 48 };
 
 /* What a chart takes up with its margin: in each column the lowest row and the one above the highest, in each row the
    same of columns. */
-typedef struct outline { uint32_t *low[2], *high[2]; /* [0]: by column, [1]: by row */ } outline;
+typedef struct outline {
+    uint32_t *low[2], *high[2]; /* [0]: by column, [1]: by row */
+} outline;
 
-typedef struct spot { uint32_t turn, x, y; } spot;
+typedef struct spot {
+    uint32_t turn, x, y;
+} spot; /* texels */
 
 typedef struct packing {
     const atlas *atlas;
     outline *outlines;
-    uint32_t *numbers;          /* all outlines' */
-    uint32_t *order;            /* charts, tallest first */
-    uint32_t *low, *high;       /* one outline as it is turned */
-    uint32_t *skyline;
+    uint32_t *numbers;            /* all outlines' */
+    uint32_t *order;              /* charts, largest first */
+    uint32_t cell, width, height; /* texels of a cell's side; cells across the atlas, and room upwards */
+    uint16_t *room;               /* [height][width] free cells from here to the right */
+    uint32_t *low, *high; /* one turned outline in cells: in each row the first column and the one after the last */
+    uint32_t *hints;      /* [HINTS][HINTS] by size in cells: below, one of this size found no place */
     spot *spots, *best;
 } packing;
 
@@ -29,9 +36,10 @@ static void packing_free(packing *p)
     pith_free(p->outlines);
     pith_free(p->numbers);
     pith_free(p->order);
+    pith_free(p->room);
     pith_free(p->low);
     pith_free(p->high);
-    pith_free(p->skyline);
+    pith_free(p->hints);
     pith_free(p->spots);
     pith_free(p->best);
 }
@@ -84,7 +92,7 @@ static void make_outline(const atlas *a, const atlas_chart *chart, outline *o, u
     }
     for (uint32_t i = 0; i < chart->count; ++i)
         for (int k = 0; k < 3; ++k) {
-            const double (*p)[2] = (const double (*)[2])a->places[a->order[chart->first + i]];
+            const double(*p)[2] = (const double(*)[2])a->places[a->order[chart->first + i]];
             for (int by = 0; by < 2; ++by) add_edge(o, by, p[k], p[(k + 1) % 3]);
         }
     for (int by = 0; by < 2; ++by) add_margin(o->low[by], o->high[by], size[by], a->options->margin, scratch);
@@ -92,101 +100,137 @@ static void make_outline(const atlas *a, const atlas_chart *chart, outline *o, u
 
 /* ---- placing ----------------------------------------------------------------------------------------------------- */
 
-/* The outline by columns after quarter turns, counter-clockwise; returns the width. */
-static uint32_t turn_outline(const atlas_chart *chart, const outline *o, uint32_t turn, uint32_t *low, uint32_t *high)
+/* The outline by rows after quarter turns, counter-clockwise, in cells; size: columns and rows. */
+static void turn_outline(const packing *p, const atlas_chart *chart, const outline *o, uint32_t turn, uint32_t size[2])
 {
-    const uint32_t w = chart->width, h = chart->height, width = turn % 2 ? h : w;
-    for (uint32_t i = 0; i < width; ++i) {
-        const uint32_t from = turn == 1 || turn == 2 ? width - 1 - i : i;
-        const uint32_t l = o->low[turn % 2][from], u = o->high[turn % 2][from];
-        low[i] = turn == 0 || turn == 1 ? l : turn == 2 ? h - u : w - u;
-        high[i] = turn == 0 || turn == 1 ? u : turn == 2 ? h - l : w - l;
+    const uint32_t across = turn % 2 ? chart->height : chart->width, up = turn % 2 ? chart->width : chart->height;
+    const bool by_row = turn % 2 == 0, upside_down = turn == 2 || turn == 3, mirrored = turn == 1 || turn == 2;
+    size[0] = (across + p->cell - 1) / p->cell;
+    size[1] = (up + p->cell - 1) / p->cell;
+    memset(p->low, 0xff, size[1] * sizeof *p->low);
+    memset(p->high, 0, size[1] * sizeof *p->high);
+    for (uint32_t i = 0; i < up; ++i) {
+        const uint32_t from = upside_down ? up - 1 - i : i, row = i / p->cell;
+        const uint32_t l = o->low[by_row][from], h = o->high[by_row][from];
+        const uint32_t low = (mirrored ? across - h : l) / p->cell;
+        const uint32_t high = ((mirrored ? across - l : h) + p->cell - 1) / p->cell;
+        p->low[row] = low < p->low[row] ? low : p->low[row];
+        p->high[row] = high > p->high[row] ? high : p->high[row];
     }
-    return width;
 }
 
-/* Height at which the outline comes to rest; not followed up once it is above `most`. */
-static uint32_t rest(const packing *p, uint32_t x, uint32_t width, uint32_t most)
+/* The first column from x on at which the turned outline fits in rows y and up; PITH_NONE. */
+static uint32_t fit_row(const packing *p, uint32_t y, const uint32_t size[2])
 {
-    uint32_t y = 0;
-    for (uint32_t i = 0; i < width && y <= most; ++i)
-        if (p->skyline[x + i] > p->low[i] + y) y = p->skyline[x + i] - p->low[i];
-    return y;
+    uint32_t x = 0;
+    for (uint32_t row = 0; row < size[1];) {
+        if (x + size[0] > p->width) return PITH_NONE;
+        const uint16_t *room = p->room + (size_t)(y + row) * p->width;
+        const uint32_t first = x + p->low[row], wanted = p->high[row] - p->low[row];
+        if (room[first] >= wanted) {
+            ++row;
+            continue;
+        }
+        uint32_t free = first + room[first]; /* taken here: on behind that, from the first row again */
+        while (free < p->width && room[free] == 0) ++free;
+        x = free - p->low[row];
+        row = 0;
+    }
+    return x;
 }
 
-/* Free texels shut in below the outline. */
-static uint64_t waste(const packing *p, uint32_t x, uint32_t y, uint32_t width)
+/* Marks the cells of a placed outline. */
+static void take_cells(packing *p, uint32_t x, uint32_t y, const uint32_t size[2])
 {
-    uint64_t sum = 0;
-    for (uint32_t i = 0; i < width; ++i) sum += y + p->low[i] - p->skyline[x + i];
-    return sum;
+    for (uint32_t row = 0; row < size[1]; ++row) {
+        uint16_t *room = p->room + (size_t)(y + row) * p->width;
+        const uint32_t first = x + p->low[row], end = x + p->high[row];
+        for (uint32_t i = first; i < end; ++i) room[i] = 0;
+        for (uint32_t i = first; i > 0 && room[i - 1] > 0; --i) room[i - 1] = (uint16_t)(first - i + 1);
+    }
 }
 
-static void place_chart(packing *p, uint32_t c, uint32_t width)
+/* False when there is no place below the room's end. */
+static bool place_chart(packing *p, uint32_t c)
 {
     const atlas_chart *chart = &p->atlas->charts[c];
-    uint64_t best_top = UINT64_MAX, best_waste = UINT64_MAX;
+    uint32_t best_top = p->height + 1, size[2];
     for (uint32_t turn = 0; turn < 4; ++turn) {
-        const uint32_t w = turn_outline(chart, &p->outlines[c], turn, p->low, p->high);
-        const uint32_t h = turn % 2 ? chart->width : chart->height, step = w > 16 ? w / 16 : 1;
-        if (w > width) continue;
-        for (uint32_t i = 0; i <= (width - w + step - 1) / step; ++i) {
-            const uint32_t x = i * step < width - w ? i * step : width - w;
-            if (best_top < h) break;
-            const uint64_t most = best_top == UINT64_MAX ? UINT32_MAX / 2 : best_top - h;
-            const uint32_t y = rest(p, x, w, (uint32_t)most);
-            if (y > most) continue;
-            const uint64_t wasted = waste(p, x, y, w);
-            if (y + (uint64_t)h == best_top && wasted >= best_waste) continue;
-            best_top = y + (uint64_t)h;
-            best_waste = wasted;
-            p->spots[c] = (spot){ turn, x, y };
+        turn_outline(p, chart, &p->outlines[c], turn, size);
+        const bool small = size[0] < HINTS && size[1] < HINTS;
+        uint32_t *hint = small ? &p->hints[size[0] * HINTS + size[1]] : NULL;
+        for (uint32_t y = hint ? *hint : 0; size[0] <= p->width && y + size[1] < best_top; ++y) {
+            const uint32_t x = fit_row(p, y, size);
+            if (x == PITH_NONE) continue;
+            best_top = y + size[1];
+            p->spots[c] = (spot){ turn, x * p->cell, y * p->cell };
+            if (hint) *hint = y;
         }
     }
+    if (best_top > p->height) return false;
     const spot at = p->spots[c];
-    const uint32_t w = turn_outline(chart, &p->outlines[c], at.turn, p->low, p->high);
-    for (uint32_t i = 0; i < w; ++i) p->skyline[at.x + i] = at.y + p->high[i];
+    turn_outline(p, chart, &p->outlines[c], at.turn, size);
+    take_cells(p, at.x / p->cell, at.y / p->cell, size);
+    return true;
 }
 
-/* Height of the atlas of this width. */
-static uint32_t pack_width(packing *p, uint32_t width)
+/* Packs into this width and at most this height, texels; what it needs of both goes to used. PITH_OK with false: it is
+   not enough. */
+static pith_status pack_into(packing *p, uint32_t width, uint32_t height, uint32_t used[2], bool *enough,
+                             pith_error *err)
 {
-    memset(p->skyline, 0, width * sizeof *p->skyline);
-    for (size_t i = 0; i < p->atlas->chart_count; ++i) place_chart(p, p->order[i], width);
-    uint32_t top = 0;
-    for (uint32_t x = 0; x < width; ++x) top = p->skyline[x] > top ? p->skyline[x] : top;
-    return top;
+    p->width = width / p->cell;
+    p->height = height / p->cell;
+    p->room = pith_alloc((size_t)p->width * p->height, sizeof *p->room);
+    if (!p->room) return PITH_OUT_OF_MEMORY(err, "packing charts");
+    for (size_t i = 0; i < (size_t)p->width * p->height; ++i) p->room[i] = (uint16_t)(p->width - i % p->width);
+    memset(p->hints, 0, HINTS * HINTS * sizeof *p->hints);
+    used[0] = used[1] = 0;
+    *enough = true;
+    for (size_t i = 0; *enough && i < p->atlas->chart_count; ++i) {
+        const uint32_t c = p->order[i];
+        *enough = place_chart(p, c);
+        if (!*enough) break;
+        const spot at = p->spots[c];
+        const uint32_t size[2] = { p->atlas->charts[c].width, p->atlas->charts[c].height };
+        const uint32_t right = at.x + size[at.turn % 2], top = at.y + size[1 - at.turn % 2];
+        used[0] = right > used[0] ? right : used[0];
+        used[1] = top > used[1] ? top : used[1];
+    }
+    pith_free(p->room);
+    p->room = NULL;
+    return PITH_OK;
 }
 
 /* ---- all of it --------------------------------------------------------------------------------------------------- */
 
-typedef struct tall { uint32_t longest, shortest, chart; } tall;
+typedef struct ranked {
+    uint32_t size, chart;
+} ranked; /* size: half the box's rim */
 
-static int by_height_down(const void *x, const void *y)
+static int by_size_down(const void *x, const void *y)
 {
-    const tall *a = x, *b = y;
-    if (a->longest != b->longest) return a->longest > b->longest ? -1 : 1;
-    if (a->shortest != b->shortest) return a->shortest > b->shortest ? -1 : 1;
+    const ranked *a = x, *b = y;
+    if (a->size != b->size) return a->size > b->size ? -1 : 1;
     return a->chart < b->chart ? -1 : a->chart > b->chart;
 }
 
 static pith_status packing_make(packing *p, const atlas *a, pith_error *err)
 {
     size_t numbers = 0;
-    for (size_t c = 0; c < a->chart_count; ++c)
-        numbers += 2 * ((size_t)a->charts[c].width + a->charts[c].height);
+    for (size_t c = 0; c < a->chart_count; ++c) numbers += 2 * ((size_t)a->charts[c].width + a->charts[c].height);
     const size_t side = a->options->max_size;
-    tall *ranks = pith_alloc(a->chart_count, sizeof *ranks);
+    ranked *ranks = pith_alloc(a->chart_count, sizeof *ranks);
     *p = (packing){ .atlas = a,
                     .outlines = pith_alloc(a->chart_count, sizeof *p->outlines),
                     .numbers = pith_alloc(numbers, sizeof *p->numbers),
                     .order = pith_alloc(a->chart_count, sizeof *p->order),
                     .low = pith_alloc(side, sizeof *p->low),
                     .high = pith_alloc(side, sizeof *p->high),
-                    .skyline = pith_alloc(side, sizeof *p->skyline),
+                    .hints = pith_alloc(HINTS * HINTS, sizeof *p->hints),
                     .spots = pith_alloc(a->chart_count, sizeof *p->spots),
                     .best = pith_alloc(a->chart_count, sizeof *p->best) };
-    if (!ranks || !p->outlines || !p->numbers || !p->order || !p->low || !p->high || !p->skyline || !p->spots ||
+    if (!ranks || !p->outlines || !p->numbers || !p->order || !p->low || !p->high || !p->hints || !p->spots ||
         !p->best) {
         pith_free(ranks);
         return PITH_OUT_OF_MEMORY(err, "packing charts");
@@ -196,10 +240,10 @@ static pith_status packing_make(packing *p, const atlas *a, pith_error *err)
         const uint32_t w = a->charts[c].width, h = a->charts[c].height;
         p->outlines[c] = (outline){ { at, at + 2 * (size_t)w }, { at + w, at + 2 * (size_t)w + h } };
         at += 2 * ((size_t)w + h);
-        make_outline(a, &a->charts[c], &p->outlines[c], p->skyline);
-        ranks[c] = (tall){ w > h ? w : h, w > h ? h : w, (uint32_t)c };
+        make_outline(a, &a->charts[c], &p->outlines[c], p->low);
+        ranks[c] = (ranked){ w + h, (uint32_t)c };
     }
-    qsort(ranks, a->chart_count, sizeof *ranks, by_height_down);
+    qsort(ranks, a->chart_count, sizeof *ranks, by_size_down);
     for (size_t i = 0; i < a->chart_count; ++i) p->order[i] = ranks[i].chart;
     pith_free(ranks);
     return PITH_OK;
@@ -235,32 +279,53 @@ static uint32_t round_up(uint32_t side, uint32_t most)
     return rounded < most ? rounded : most;
 }
 
+/* What all charts take up: texels, the width below which one does not fit, and how large they are in the mean. */
+typedef struct demand {
+    double texels, longest;
+    uint32_t narrowest;
+} demand;
+
+static demand measure(const packing *p)
+{
+    demand d = { .narrowest = 1 };
+    for (size_t c = 0; c < p->atlas->chart_count; ++c) {
+        const uint32_t w = p->atlas->charts[c].width, h = p->atlas->charts[c].height;
+        for (uint32_t x = 0; x < w; ++x) d.texels += p->outlines[c].high[0][x] - p->outlines[c].low[0][x];
+        d.longest += (double)(w > h ? w : h) / (double)p->atlas->chart_count;
+        d.narrowest = (w < h ? w : h) > d.narrowest ? (w < h ? w : h) : d.narrowest;
+    }
+    return d;
+}
+
+/* Cells are small beside the atlas and beside the charts. */
+static uint32_t choose_cell(double side, double longest)
+{
+    return (uint32_t)fmax(1.0, fmin(side / CELLS, longest / 12.0));
+}
+
 pith_status atlas_pack(atlas *a, bool *fits, pith_error *err)
 {
     packing p;
-    const pith_status status = packing_make(&p, a, err);
-    double texels = 0.0;
-    uint32_t narrowest = 1;
-    for (size_t c = 0; status == PITH_OK && c < a->chart_count; ++c) {
-        const atlas_chart *chart = &a->charts[c];
-        const uint32_t shorter = chart->width < chart->height ? chart->width : chart->height;
-        for (uint32_t x = 0; x < chart->width; ++x) texels += p.outlines[c].high[0][x] - p.outlines[c].low[0][x];
-        narrowest = shorter > narrowest ? shorter : narrowest;
-    }
-    const uint32_t most = a->options->max_size;
+    pith_status status = packing_make(&p, a, err);
     uint64_t best = UINT64_MAX;
+    const uint32_t most = a->options->max_size;
+    const demand d = status == PITH_OK ? measure(&p) : (demand){ 0 };
+    const double side = sqrt(d.texels / 0.88);
     for (int i = 0; status == PITH_OK && i <= ATTEMPTS; ++i) {
-        if (i == ATTEMPTS && best != UINT64_MAX) break; /* the widest of all is for when nothing else does */
-        const double wanted = i < ATTEMPTS ? sqrt(texels / 0.85) * (0.8 + 0.5 * i / (ATTEMPTS - 1)) : most;
-        uint32_t width = wanted >= most ? most : (uint32_t)wanted + 1;
-        width = round_up(width > narrowest ? width : narrowest, most);
-        const uint32_t top = pack_width(&p, width);
-        if (top > most) continue;
-        const uint32_t height = round_up(top, most);
-        if ((uint64_t)width * height >= best) continue;
-        best = (uint64_t)width * height;
-        a->width = width;
-        a->height = height;
+        const bool last = i == ATTEMPTS; /* all there may be is for when nothing less does */
+        if (last && best != UINT64_MAX) break;
+        p.cell = choose_cell(last ? most : side, d.longest);
+        const double wanted = fmax(side * (0.75 + 0.5 * i / (ATTEMPTS - 1)), (double)d.narrowest) + p.cell;
+        const double width = last ? most : fmin(most, wanted), height = last ? most : fmin(most, 3.0 * side + p.cell);
+        uint32_t used[2] = { 0, 0 };
+        bool enough = false;
+        status = pack_into(&p, (uint32_t)width, (uint32_t)height, used, &enough, err);
+        if (status != PITH_OK || !enough) continue;
+        for (int k = 0; k < 2; ++k) used[k] = round_up(used[k], most);
+        if ((uint64_t)used[0] * used[1] >= best) continue;
+        best = (uint64_t)used[0] * used[1];
+        a->width = used[0];
+        a->height = used[1];
         memcpy(p.best, p.spots, a->chart_count * sizeof *p.best);
     }
     *fits = best != UINT64_MAX;

@@ -3,8 +3,8 @@
 
 #include <string.h>
 
-static const double crease_degrees = 40.0;  /* sharper edges of skin or section keep two normals */
-static const double thinnest = 1e-9;        /* height of a triangle with a direction, of the surface's diagonal */
+static const double crease_degrees = 40.0; /* sharper edges of skin or section keep two normals */
+static const double thinnest = 1e-9;       /* height of a triangle with a direction, of the surface's diagonal */
 
 void atlas_surface_free(atlas_surface *s)
 {
@@ -64,8 +64,8 @@ static void measure(atlas_surface *s)
         const pith_vec3 a = s->positions[s->triangles[t][0]], b = s->positions[s->triangles[t][1]],
                         c = s->positions[s->triangles[t][2]];
         const pith_vec3 n = pith_cross(pith_sub(b, a), pith_sub(c, a));
-        const double twice = pith_length(n), longest = fmax(fmax(pith_distance(a, b), pith_distance(b, c)),
-                                                            pith_distance(c, a));
+        const double twice = pith_length(n),
+                     longest = fmax(fmax(pith_distance(a, b), pith_distance(b, c)), pith_distance(c, a));
         s->areas[t] = 0.5 * twice;
         s->middles[t] = pith_scale(pith_add(pith_add(a, b), c), 1.0 / 3.0);
         s->facets[t] = twice > least * longest ? pith_scale(n, 1.0 / twice) : pith_v3(0, 0, 0);
@@ -73,7 +73,9 @@ static void measure(atlas_surface *s)
 }
 
 /* An edge as its lower vertex lists it. */
-typedef struct edge { uint32_t high, corner; } edge;
+typedef struct edge {
+    uint32_t high, corner;
+} edge;
 
 static bool same_kind(const atlas_surface *s, uint32_t a, uint32_t b)
 {
@@ -97,8 +99,10 @@ static pith_status find_mates(atlas_surface *s, pith_error *err)
         for (uint32_t c = 0; c < 3 * s->triangle_count; ++c) {
             const uint32_t a = s->triangles[c / 3][c % 3], b = s->triangles[c / 3][(c % 3 + 1) % 3];
             const uint32_t low = a < b ? a : b, high = a < b ? b : a;
-            if (fill) edges[first[low + 1]++] = (edge){ high, c };
-            else ++first[low + 2];
+            if (fill)
+                edges[first[low + 1]++] = (edge){ high, c };
+            else
+                ++first[low + 2];
         }
         for (uint32_t v = 2; !fill && v < s->vertex_count + 2; ++v) first[v] += first[v - 1];
     }

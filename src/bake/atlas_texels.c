@@ -7,36 +7,37 @@
 
 #include <string.h>
 
-enum { TILE = 64, RIM = 1 };
+enum { RIM = 1 };
 
 /* What is read by all threads. */
 typedef struct fill {
     const atlas *atlas;
     const pith_progress *progress;
-    uint32_t columns, rows;         /* of tiles */
-    uint32_t *first, *triangles;    /* [tiles + 1]; those that a tile may need */
-    double (**weights)[3][4];       /* [item_count] of shells */
+    uint32_t side;               /* of a tile, texels: fewer where each has many samples */
+    uint32_t columns, rows;      /* of tiles */
+    uint32_t *first, *triangles; /* [tiles + 1]; those that a tile may need */
+    double (**weights)[3][4];    /* [item_count] of shells */
     pith_image *image;
-    uint32_t channels;              /* most of any solid */
+    uint32_t channels; /* most of any solid */
     float footprint;
 } fill;
 
 /* One tile's samples, row by row from below, and what is asked of a solid. */
 typedef struct tile {
-    double *squares;                /* distance from the chart, texels²; 0: covered; infinite: nothing near */
-    double (*places)[3];            /* barycentric */
+    double *squares;     /* distance from the chart, texels²; 0: covered; infinite: nothing near */
+    double (*places)[3]; /* barycentric */
     uint32_t *triangles;
     float (*colours)[4];
-    uint32_t *asked;                /* samples of the item being asked */
+    uint32_t *asked; /* samples of the item being asked */
     pith_vec3 *points, *normals;
     float *footprints, *answers;
     uint32_t *tets;
     double (*weights)[4];
-    double left, bottom;            /* texels; of the rim */
+    double left, bottom; /* texels; of the rim */
     uint64_t filled;
 } tile;
 
-static uint32_t tile_side(const fill *f) { return (TILE + 2 * RIM) * f->atlas->options->samples; }
+static uint32_t tile_side(const fill *f) { return (f->side + 2 * RIM) * f->atlas->options->samples; }
 
 static void tile_free(tile *t)
 {
@@ -67,8 +68,8 @@ static pith_status tile_make(tile *t, const fill *f, pith_error *err)
                  .answers = pith_alloc(count, f->channels * sizeof *t->answers),
                  .tets = pith_alloc(count, sizeof *t->tets),
                  .weights = pith_alloc(count, sizeof *t->weights) };
-    if (t->squares && t->places && t->triangles && t->colours && t->asked && t->points && t->normals &&
-        t->footprints && t->answers && t->tets && t->weights)
+    if (t->squares && t->places && t->triangles && t->colours && t->asked && t->points && t->normals && t->footprints &&
+        t->answers && t->tets && t->weights)
         return PITH_OK;
     tile_free(t);
     return PITH_OUT_OF_MEMORY(err, "a tile of the atlas");
@@ -93,7 +94,7 @@ static void sample_at(const fill *f, const tile *t, uint32_t x, uint32_t y, doub
 
 static void cover(const fill *f, tile *t, uint32_t triangle)
 {
-    const double (*p)[2] = (const double (*)[2])f->atlas->places[triangle];
+    const double(*p)[2] = (const double(*)[2])f->atlas->places[triangle];
     uint32_t xs[2], ys[2];
     samples_near(f, t->left, fmin(fmin(p[0][0], p[1][0]), p[2][0]), fmax(fmax(p[0][0], p[1][0]), p[2][0]), 0.0, xs);
     samples_near(f, t->bottom, fmin(fmin(p[0][1], p[1][1]), p[2][1]), fmax(fmax(p[0][1], p[1][1]), p[2][1]), 0.0, ys);
@@ -177,8 +178,12 @@ static pith_status ask_item(const fill *f, tile *t, uint32_t item, pith_error *e
         memcpy(t->weights[count], weights, sizeof weights);
         t->asked[count++] = i;
     }
-    const pith_query query = { .points = t->points, .normals = t->normals, .footprints = t->footprints,
-                               .tets = t->tets, .weights = (const double (*)[4])t->weights, .count = count };
+    const pith_query query = { .points = t->points,
+                               .normals = t->normals,
+                               .footprints = t->footprints,
+                               .tets = t->tets,
+                               .weights = (const double(*)[4])t->weights,
+                               .count = count };
     PITH_TRY(pith_solid_sample(solid, &query, t->answers, err));
     for (size_t i = 0; i < count; ++i)
         for (int c = 0; c < 4; ++c) /* fmax: not-a-number becomes black */
@@ -245,15 +250,15 @@ static void filter_texel(const fill *f, const tile *t, uint32_t x, uint32_t y, u
 
 static pith_status fill_tile(const fill *f, tile *t, uint32_t number, pith_error *err)
 {
-    const uint32_t left = number % f->columns * TILE, bottom = number / f->columns * TILE;
+    const uint32_t left = number % f->columns * f->side, bottom = number / f->columns * f->side;
     t->left = (double)left - RIM;
     t->bottom = (double)bottom - RIM;
     find_triangles(f, t, number);
     PITH_TRY(ask(f, t, err));
-    for (uint32_t y = 0; y < TILE && bottom + y < f->image->height; ++y)
-        for (uint32_t x = 0; x < TILE && left + x < f->image->width; ++x) {
-            float *out = f->image->pixels +
-                         4 * ((size_t)(f->image->height - 1 - bottom - y) * f->image->width + left + x);
+    for (uint32_t y = 0; y < f->side && bottom + y < f->image->height; ++y)
+        for (uint32_t x = 0; x < f->side && left + x < f->image->width; ++x) {
+            float *out =
+                f->image->pixels + 4 * ((size_t)(f->image->height - 1 - bottom - y) * f->image->width + left + x);
             const uint32_t chart = texel_chart(f, t, x, y);
             out[3] = -1.0f; /* nothing here */
             if (chart == PITH_NONE) continue;
@@ -269,8 +274,8 @@ static pith_status fill_tile(const fill *f, tile *t, uint32_t number, pith_error
 static void tiles_near(const fill *f, double low, double high, uint32_t most, uint32_t range[2])
 {
     const double reach = f->atlas->options->margin + 2.0 * RIM;
-    range[0] = (uint32_t)fmax(0.0, floor((low - reach) / TILE));
-    range[1] = (uint32_t)fmin(most, floor((high + reach) / TILE) + 1.0);
+    range[0] = (uint32_t)fmax(0.0, floor((low - reach) / f->side));
+    range[1] = (uint32_t)fmin(most, floor((high + reach) / f->side) + 1.0);
 }
 
 static pith_status list_triangles(fill *f, pith_error *err)
@@ -281,14 +286,16 @@ static pith_status list_triangles(fill *f, pith_error *err)
     for (int put = 0; put < 2; ++put) {
         uint64_t sum = 0;
         for (uint32_t t = 0; t < a->surface.triangle_count; ++t) {
-            const double (*p)[2] = (const double (*)[2])a->places[t];
+            const double(*p)[2] = (const double(*)[2])a->places[t];
             uint32_t xs[2], ys[2];
             tiles_near(f, fmin(fmin(p[0][0], p[1][0]), p[2][0]), fmax(fmax(p[0][0], p[1][0]), p[2][0]), f->columns, xs);
             tiles_near(f, fmin(fmin(p[0][1], p[1][1]), p[2][1]), fmax(fmax(p[0][1], p[1][1]), p[2][1]), f->rows, ys);
             for (uint32_t y = ys[0]; y < ys[1]; ++y)
                 for (uint32_t x = xs[0]; x < xs[1]; ++x, ++sum) {
-                    if (put) f->triangles[f->first[y * f->columns + x + 1]++] = t;
-                    else ++f->first[y * f->columns + x + 2];
+                    if (put)
+                        f->triangles[f->first[y * f->columns + x + 1]++] = t;
+                    else
+                        ++f->first[y * f->columns + x + 2];
                 }
         }
         if (put) break;
@@ -333,8 +340,14 @@ pith_status atlas_fill(const atlas *a, const pith_progress *progress, pith_image
                        pith_error *err)
 {
     pith_status status = PITH_OK;
-    fill f = { .atlas = a, .progress = progress, .columns = (image->width + TILE - 1) / TILE,
-               .rows = (image->height + TILE - 1) / TILE, .image = image, .channels = 4,
+    const uint32_t side = a->options->samples > 4 ? 32 : 64; /* some 70 000 samples a tile at most */
+    fill f = { .atlas = a,
+               .progress = progress,
+               .side = side,
+               .columns = (image->width + side - 1) / side,
+               .rows = (image->height + side - 1) / side,
+               .image = image,
+               .channels = 4,
                .footprint = (float)(1.0 / (a->options->density * a->options->samples)) };
     f.weights = pith_alloc(a->surface.item_count, sizeof *f.weights);
     if (!f.weights) return PITH_OUT_OF_MEMORY(err, "the surface's tetrahedra");

@@ -43,7 +43,8 @@ static pith_status write_obj(const pith_mesh_view *view, const pith_texture *tex
     if (material && picture) {
         mesh_write_obj_material(view, name_of(material), "pith", &obj);
         write_material(texture, name_of(picture), &mtl);
-        const pith_file_part files[] = { { picture, texture->png, texture->size }, { material, mtl.data, mtl.size },
+        const pith_file_part files[] = { { picture, texture->png, texture->size },
+                                         { material, mtl.data, mtl.size },
                                          { path, obj.data, obj.size } };
         if (!obj.failed && !mtl.failed) status = pith_files_write(files, sizeof files / sizeof *files, err);
     }

@@ -68,8 +68,9 @@ static pith_shell *ramp(double rise)
                 tets[count][0] = (uint32_t)(j * SIDE + i);
                 for (int a = 0; a < 3; ++a) tets[count][a + 1] = tets[count][a] + step[orders[o][a]];
             }
-    const pith_tets_view view = { .positions = positions, .tets = (const uint32_t(*)[4])tets,
-                                  .vertex_count = ROW * (HIGH + 1), .tet_count = count };
+    const pith_tets_view view = {
+        .positions = positions, .tets = (const uint32_t(*)[4])tets, .vertex_count = ROW * (HIGH + 1), .tet_count = count
+    };
     pith_tets *made = NULL;
     pith_part *part = NULL;
     pith_shell *shell = NULL;
@@ -117,8 +118,8 @@ static double nearest_on(double p[3][2], const double at[2], double weights[3])
     double best = INFINITY;
     for (int k = 0; k < 3; ++k) {
         const double *a = p[k], *b = p[(k + 1) % 3], e[2] = { b[0] - a[0], b[1] - a[1] };
-        const double t = fmin(1, fmax(0, ((at[0] - a[0]) * e[0] + (at[1] - a[1]) * e[1]) /
-                                             fmax(1e-300, e[0] * e[0] + e[1] * e[1])));
+        const double t =
+            fmin(1, fmax(0, ((at[0] - a[0]) * e[0] + (at[1] - a[1]) * e[1]) / fmax(1e-300, e[0] * e[0] + e[1] * e[1])));
         const double distance = hypot(a[0] + t * e[0] - at[0], a[1] + t * e[1] - at[1]);
         if (!(distance < best)) continue;
         best = distance;
@@ -137,7 +138,8 @@ static void extreme_densities(const pith_textured *textured, uint32_t triangle, 
     const uint32_t *v = m.triangles[triangle];
     double p[3][2];
     corners_of(textured, triangle, p);
-    const pith_vec3 e = pith_sub(m.positions[v[1]], m.positions[v[0]]), f = pith_sub(m.positions[v[2]], m.positions[v[0]]);
+    const pith_vec3 e = pith_sub(m.positions[v[1]], m.positions[v[0]]),
+                    f = pith_sub(m.positions[v[2]], m.positions[v[0]]);
     const pith_vec3 x = pith_unit(e), n = pith_unit(pith_cross(e, f)), y = pith_cross(n, x);
     const double det = pith_dot(e, x) * pith_dot(f, y);
     *least = INFINITY;
@@ -146,8 +148,8 @@ static void extreme_densities(const pith_textured *textured, uint32_t triangle, 
         const double angle = M_PI * i / 720, dx = cos(angle), dy = sin(angle);
         /* dx x + dy y = s e + t f */
         const double t = dy / pith_dot(f, y), s = (dx * pith_dot(f, y) - dy * pith_dot(f, x)) / det;
-        const double length = hypot(s * (p[1][0] - p[0][0]) + t * (p[2][0] - p[0][0]),
-                                    s * (p[1][1] - p[0][1]) + t * (p[2][1] - p[0][1]));
+        const double length =
+            hypot(s * (p[1][0] - p[0][0]) + t * (p[2][0] - p[0][0]), s * (p[1][1] - p[0][1]) + t * (p[2][1] - p[0][1]));
         *least = fmin(*least, length);
         *most = fmax(*most, length);
     }
@@ -178,7 +180,8 @@ static void check_density(const pith_textured *textured, const pith_atlas_option
         least = fmin(least, low);
         most = fmax(most, high);
     }
-    CHECK_NEAR(report->least_density, least, (1e-4 + allowed) * least); /* directions are tried a quarter of a degree apart */
+    CHECK_NEAR(report->least_density, least,
+               (1e-4 + allowed) * least); /* directions are tried a quarter of a degree apart */
     CHECK_NEAR(report->most_density, most, (1e-4 + allowed) * most);
 }
 
@@ -244,6 +247,8 @@ static void check_layout(const pith_shell *shell, const pith_solid *solid, const
     }
     for (uint32_t c = 0; c < report.charts; ++c) assert_true(kind[c] == 1 || kind[c] == 2);
     free(kind);
+    for (size_t i = 0; i < (size_t)image->width * image->height * image->channels; ++i)
+        assert_true(image->pixels[i] >= 0.0f && image->pixels[i] <= 1.0f); /* gaps between charts too */
     check_density(textured, o, &report);
     uint32_t *charts = malloc((size_t)image->width * image->height * sizeof *charts);
     const double painted = (double)paint_charts(textured, o->margin, charts);
@@ -251,9 +256,10 @@ static void check_layout(const pith_shell *shell, const pith_solid *solid, const
     /* Texels are filled whose samples, not middles, are near: half a texel more round every chart. */
     CHECK_AT_LEAST(filled, painted);
     CHECK_AT_MOST(filled, 1.25 * painted);
-    print_message("%u triangles at %g: %u charts, %u x %u, %.0f %% surface, %.0f %% filled, %.4g to %.4g texels a unit\n",
-                  m.triangle_count, o->density, report.charts, report.width, report.height, 100 * report.covered,
-                  100 * report.filled, report.least_density, report.most_density);
+    print_message(
+        "%u triangles at %g: %u charts, %u x %u, %.0f %% surface, %.0f %% filled, %.4g to %.4g texels a unit\n",
+        m.triangle_count, o->density, report.charts, report.width, report.height, 100 * report.covered,
+        100 * report.filled, report.least_density, report.most_density);
     free(charts);
     pith_textured_destroy(textured);
 }
@@ -425,14 +431,16 @@ static void test_several_surfaces_share_an_atlas(void **state)
         const int which = t >= first;
         double p[3][2], w[3];
         corners_of(textured, t, p);
-        const double at[2] = { floor((p[0][0] + p[1][0] + p[2][0]) / 3) + 0.5, floor((p[0][1] + p[1][1] + p[2][1]) / 3) + 0.5 };
+        const double at[2] = { floor((p[0][0] + p[1][0] + p[2][0]) / 3) + 0.5,
+                               floor((p[0][1] + p[1][1] + p[2][1]) / 3) + 0.5 };
         if (nearest_on(p, at, w) > 0) continue;
         pith_vec3 point = pith_scale(items[which].offset, -1);
         for (int k = 0; k < 3; ++k) point = pith_madd(point, m.positions[m.triangles[t][k]], w[k]);
         float expected[4];
         sample_at(solids[which], point, expected);
         for (int c = 0; c < 3; ++c)
-            CHECK_NEAR((double)texel(textured->texture, (uint32_t)at[0], (uint32_t)at[1])[c], (double)expected[c], 1e-3);
+            CHECK_NEAR((double)texel(textured->texture, (uint32_t)at[0], (uint32_t)at[1])[c], (double)expected[c],
+                       1e-3);
         ++compared;
     }
     CHECK_AT_LEAST((double)compared, 0.5 * m.triangle_count);

@@ -82,6 +82,13 @@ static void test_procedural(void **state)
     CHECK_RUN(0, "test -f block.png -a -f spindles.png");
 }
 
+static void test_baking(void **state)
+{
+    (void)state;
+    CHECK_AT_LEAST(run_page("docs/baking.md"), 5);
+    CHECK_RUN(0, "test -f kiwi.glb -a -f kiwi.obj -a -f kiwi.mtl -a -f kiwi.png -a -f halves.glb -a -f kiwi.vtu");
+}
+
 static void test_editing(void **state)
 {
     (void)state;
@@ -103,6 +110,7 @@ int main(void)
         cmocka_unit_test(test_the_readme_lists_the_verbs),
         cmocka_unit_test(test_the_tutorial),
         cmocka_unit_test(test_cuts_and_volumes),
+        cmocka_unit_test(test_baking),
         cmocka_unit_test(test_the_editor),
         cmocka_unit_test(test_procedural),
         cmocka_unit_test(test_editing),
