@@ -1,6 +1,6 @@
 /* OpenEXR by the C core of its library: flat pictures in scanlines, whose compression loses nothing. A file's colours
-   are linear and premultiplied with its alpha, as the format wants them; ours are not premultiplied. Errors come through
-   a callback, whose words go into the message. */
+   are linear and premultiplied with its alpha, as the format wants them; ours are not premultiplied. Errors come
+   through a callback, whose words go into the message. */
 #include "image_internal.h"
 
 #include <openexr.h>

@@ -51,7 +51,7 @@ pith_render_options pith_render_options_default(void)
     return options;
 }
 
-/* ---- all items as one mesh and one list of quadrics --------------------------------------------------------------- */
+/* ---- all items as one mesh and one list of quadrics -------------------------------------------------------------- */
 
 static const double crease_degrees = 40.0; /* sharper edges of skin or section are shown as edges */
 

@@ -1,7 +1,7 @@
 /* Light at places: shadow and sky rays, shading.
 
-   A round key light (one sample per hit), and an even sky seen through one cosine-distributed ray per hit; what that ray
-   meets instead of sky returns part of the surface's own colour, as flesh beside flesh does. Matt reflection is wrapped
+   A round key light (one sample per hit), and an even sky seen through one cosine-distributed ray per hit; what that
+   ray meets instead of sky returns part of the surface's own colour, as flesh beside flesh does. Matt reflection is wrapped
    a little round the terminator, the look of light that enters a fruit and comes out beside. Highlights: Blinn, "Models
    of light reflection for computer synthesized pictures", SIGGRAPH 1977, normalised, with the Fresnel term of Schlick,
    "An inexpensive BRDF model for physically-based rendering", Eurographics 1994. */

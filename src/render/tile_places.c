@@ -1,7 +1,7 @@
 /* Where rays end: the place on a surface, and its colour, asked of the solids item by item.
 
-   Cones of samples: Amanatides, "Ray tracing with cones", SIGGRAPH 1984; Akenine-Möller et al., "Texture level of detail
-   strategies for real-time ray tracing", Ray Tracing Gems, 2019. */
+   Cones of samples: Amanatides, "Ray tracing with cones", SIGGRAPH 1984; Akenine-Möller et al., "Texture level of
+   detail strategies for real-time ray tracing", Ray Tracing Gems, 2019. */
 #include "tile_internal.h"
 
 #include <string.h>

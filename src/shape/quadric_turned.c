@@ -1,6 +1,6 @@
-/* Profiles turned into quadrics. A band's r^2 is a quadratic polynomial of z, so a smooth profile is a quadratic spline:
-   Schumaker, "On shape preserving quadratic spline interpolation", SIAM J. Numer. Anal. 20(4), 1983. Everything below is
-   about s = r^2. */
+/* Profiles turned into quadrics. A band's r^2 is a quadratic polynomial of z, so a smooth profile is a quadratic
+   spline: Schumaker, "On shape preserving quadratic spline interpolation", SIAM J. Numer. Anal. 20(4), 1983. Everything
+   below is about s = r^2. */
 #include "quadric_internal.h"
 
 typedef struct band_list {

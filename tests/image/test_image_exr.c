@@ -108,7 +108,8 @@ static void foreign_exr(const char *path, int compression, int channels, ImfRgba
     ImfHeaderSetCompression(header, compression);
     ImfOutputFile *file = ImfOpenOutputFile(path, header, channels);
     assert_non_null(file);
-    assert_true(ImfOutputSetFrameBuffer(file, (const ImfRgba *)((uintptr_t)pixels + (3 - 5 * 19) * (intptr_t)sizeof(ImfRgba)), 1, 19));
+    const uintptr_t origin = (uintptr_t)pixels - (5 * 19 - 3) * sizeof(ImfRgba); /* where pixel 0, 0 would be */
+    assert_true(ImfOutputSetFrameBuffer(file, (const ImfRgba *)origin, 1, 19));
     assert_true(ImfOutputWritePixels(file, 33));
     ImfCloseOutputFile(file);
     ImfDeleteHeader(header);

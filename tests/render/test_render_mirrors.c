@@ -162,7 +162,7 @@ static void test_cones_go_on_behind_mirrors(void **state)
     (void)state;
     pith_threads_set(1);
     probe *p = probe_make(0.5f, 0.4f, 0.3f, 1);
-    /* The wall stands behind the eye and is seen in the mirror; the eye is 2 before the mirror and 5 before the wall. */
+    /* The wall stands behind the eye and is seen in the mirror; the eye is 2 before the mirror, 5 before the wall. */
     const pith_quadric wall = pith_quadric_disc(pith_v3(0, -7, 0), pith_v3(0, 1, 0), 0, 500);
     const pith_quadric flat = pith_quadric_disc(pith_v3(0, 0, 0), pith_v3(0, 1, 0), 0, 500);
     const pith_quadric round = pith_quadric_sphere(pith_v3(0, 4, 0), 4);
@@ -178,8 +178,8 @@ static void test_cones_go_on_behind_mirrors(void **state)
         p->count = 0;
         pith_image *image = draw(items, 2, &camera, &o);
         CHECK_AT_LEAST(p->count, 256);
-        /* 2 to the mirror and 7 from it to the wall. An angle a at the eye is 2 a across on the ball, whose normal turns
-           by 2 a / 4 and mirrored rays by twice that, so that the wall is met 2 a + 7 (a + a) across. */
+        /* 2 to the mirror and 7 from it to the wall. An angle a at the eye is 2 a across on the ball, whose normal
+           turns by 2 a / 4 and mirrored rays by twice that, so that the wall is met 2 a + 7 (a + a) across. */
         const double expected = k ? size * 16 : size * 9;
         for (size_t i = 0; i < p->count; ++i) {
             CHECK_NEAR(p->footprints[i], expected, 5e-3 * expected);

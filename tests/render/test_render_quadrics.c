@@ -11,8 +11,8 @@ static pith_image *draw(const pith_render_item *items, size_t count, const pith_
     return image;
 }
 
-/* The outline of a sphere is an ellipse: the cone of half angle a = asin(R / D) about an axis c off the view's cut by the
-   picture's plane. With plane distance 1 its half axes are sin a cos a / (cos^2 c - sin^2 a) and
+/* The outline of a sphere is an ellipse: the cone of half angle a = asin(R / D) about an axis c off the view's cut by
+   the picture's plane. With plane distance 1 its half axes are sin a cos a / (cos^2 c - sin^2 a) and
    sin a / sqrt(cos^2 c - sin^2 a). */
 static void test_a_spheres_outline_has_the_area_of_perspective(void **state)
 {
