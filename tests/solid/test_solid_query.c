@@ -1,7 +1,7 @@
 /* How a question reaches a kind: block by block, every array in step, absent ones absent. */
 #include "check.h"
 
-#include "solid_kind.h"
+#include "pith/solid_kind.h"
 
 enum { POINTS = 5 * SOLID_BLOCK + 37 };
 
