@@ -82,13 +82,15 @@ static void write_quadric(FILE *out, const pith_quadric *q)
     }
     const double bottom = q->axis.z > 0 ? q->low : -q->high, b = q->axis.z > 0 ? q->square[1] : -q->square[1];
     fprintf(out, "quadric { <1, 1, %.9g>, <0, 0, 0>, <0, 0, %.9g>, %.9g\n", -q->square[2], -b, -q->square[0]);
-    fprintf(out, "  clipped_by { plane { z, %.9g } plane { -z, %.9g } } translate <%.9g, %.9g, %.9g> }\n", top, -bottom, x,
-            y, z);
+    fprintf(out, "  clipped_by { plane { z, %.9g } plane { -z, %.9g } } translate <%.9g, %.9g, %.9g> }\n", top, -bottom,
+            x, y, z);
 }
 
 static const char *const paints[] = {
-    "pigment { granite turbulence 0.3 color_map { [0 rgb 0.02][0.3 rgb <0.25, 0.2, 0.18>][1 rgb <0.8, 0.7, 0.65>] } scale 0.5 }",
-    "pigment { gradient z color_map { [0.2 rgb <0.6, 0.05, 0.03>][0.2 rgb <0.03, 0.15, 0.4>][1 rgb <0.1, 0.4, 0.1>] } scale 2.8 }",
+    "pigment { granite turbulence 0.3 color_map { [0 rgb 0.02][0.3 rgb <0.25, 0.2, 0.18>][1 rgb <0.8, 0.7, 0.65>] } "
+    "scale 0.5 }",
+    "pigment { gradient z color_map { [0.2 rgb <0.6, 0.05, 0.03>][0.2 rgb <0.03, 0.15, 0.4>][1 rgb <0.1, 0.4, 0.1>] } "
+    "scale 2.8 }",
     "pigment { wood turbulence 0.06 octaves 3 color_map { [0 rgb <0.75, 0.48, 0.22>][0.7 rgb <0.4, 0.14, 0.03>]"
     "[1 rgb <0.75, 0.48, 0.22>] } scale 0.07 rotate 4*x }",
 };
@@ -108,7 +110,9 @@ static pith_status write_scene(const char *path, const pith_render_item *items, 
     for (size_t i = 0; i < count; ++i) {
         fprintf(out, "union {\n");
         for (size_t k = 0; k < items[i].quadric_count; ++k) write_quadric(out, &items[i].quadrics[k]);
-        fprintf(out, "%s finish { ambient 0.3 diffuse 0.6 specular 0.2 reflection { 0.04, 1 fresnel on } } interior { ior 1.5 } }\n",
+        fprintf(out,
+                "%s finish { ambient 0.3 diffuse 0.6 specular 0.2 reflection { 0.04, 1 fresnel on } } interior { ior "
+                "1.5 } }\n",
                 paints[i % 3]);
     }
     return fclose(out) == 0 ? PITH_OK : pith_fail(err, PITH_IO, "%s: cannot be written", path);
@@ -158,8 +162,9 @@ static pith_status measure_picture(const pith_render_item *items, size_t count, 
         seconds[t] = pith_seconds() - begin;
         pith_image_destroy(image);
     }
-    json_array_append_new(cases, json_pack("{ss sf sf si sf}", "name", "spindles", "one_thread_s", seconds[0],
-                                           "all_threads_s", seconds[1], "threads", threads, "speedup", speedup(seconds)));
+    json_array_append_new(cases,
+                          json_pack("{ss sf sf si sf}", "name", "spindles", "one_thread_s", seconds[0], "all_threads_s",
+                                    seconds[1], "threads", threads, "speedup", speedup(seconds)));
     return PITH_OK;
 }
 

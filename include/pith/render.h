@@ -55,6 +55,9 @@ pith_box pith_render_box(const pith_render_item *items, size_t count);
 pith_camera pith_camera_fit(const pith_box *box, pith_vec3 direction, pith_vec3 up, double field_of_view,
                             double aspect);
 
+/** Can anything of the box be in the picture? False only when all of it lies behind the eye or beyond one side. */
+bool pith_camera_sees(const pith_camera *camera, const pith_box *box, double aspect);
+
 /** Renders RGBA (linear, not premultiplied). Tiles in parallel; the same picture for any thread count. The solid is
  *  asked once per sample that hits, in batches, so that detail is as fine as the pixels; the question holds the normal on
  *  the eye's side, the directions to the eye and to the middle of the light, and the footprint: the diameter of the

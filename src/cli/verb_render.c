@@ -21,6 +21,18 @@ static pith_status nothing_left(const cli_model *opened, pith_error *err)
                      pith_document_title(opened->document));
 }
 
+/* A picture of nothing is not what anybody wants. */
+static pith_status check_view(const cli_model *opened, const pith_camera *camera, const pith_box *box, double aspect,
+                              pith_error *err)
+{
+    if (!pith_finite(camera->eye) || pith_camera_sees(camera, box, aspect)) return PITH_OK;
+    return pith_fail(err, PITH_BAD_ARGUMENT,
+                     "%s: the camera at (%g, %g, %g) sees nothing: the model, from (%g, %g, %g) to (%g, %g, %g), lies "
+                     "behind it or beside the picture; move the eye or the target, or give a direction alone",
+                     pith_document_title(opened->document), camera->eye.x, camera->eye.y, camera->eye.z, box->low.x,
+                     box->low.y, box->low.z, box->high.x, box->high.y, box->high.z);
+}
+
 static pith_status render_surface(const cli_model *opened, const cli_line *line, const render_flags *asked,
                                   pith_error *err)
 {
@@ -34,6 +46,7 @@ static pith_status render_surface(const cli_model *opened, const cli_line *line,
     const pith_box box = pith_render_box(items, count);
     const double aspect = (double)options.width / options.height;
     const pith_camera camera = cli_place_camera(&asked->camera, opened->document, &box, aspect);
+    PITH_TRY(check_view(opened, &camera, &box, aspect, err));
     pith_image *image = NULL;
     PITH_TRY(pith_render(items, count, &camera, &options, cli_progress(), &image, err));
     return write_picture(image, asked->out, err);
@@ -58,6 +71,7 @@ static pith_status render_volume(const cli_model *opened, const cli_line *line, 
     }
     const double aspect = (double)options.width / options.height;
     const pith_camera camera = cli_place_camera(&asked->camera, opened->document, &box, aspect);
+    PITH_TRY(check_view(opened, &camera, &box, aspect, err));
     pith_image *image = NULL;
     PITH_TRY(
         pith_render_volume(items, count, &camera, &options, transfer, transfer_count, cli_progress(), &image, err));

@@ -456,9 +456,29 @@ static void test_every_allocation_may_fail(void **state)
     pith_shell_destroy(shell);
 }
 
+/* A box straight ahead, at the side, behind, and round the eye. */
+static void test_cameras_that_see_nothing(void **state)
+{
+    (void)state;
+    const pith_camera camera = { { 0, -5, 0 }, { 0, 0, 0 }, { 0, 0, 1 }, 40 };
+    static const struct { pith_box box; bool seen; } cases[] = {
+        { { { -1, -1, -1 }, { 1, 1, 1 } }, true },
+        { { { -100, -100, -100 }, { 100, 100, 100 } }, true },
+        { { { -1, -9, -1 }, { 1, -6, 1 } }, false },
+        /* half the width at distance 5 is 5 tan 20 degrees = 1.82 high, twice that wide */
+        { { { 3.5, 0, -1 }, { 9, 0, 1 } }, true },
+        { { { 3.8, 0, -1 }, { 9, 0, 1 } }, false },
+        { { { -1, 0, 1.9 }, { 1, 0, 3 } }, false },
+        { { { -1, 0, 1.7 }, { 1, 0, 3 } }, true },
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i)
+        assert_int_equal(pith_camera_sees(&camera, &cases[i].box, 2), cases[i].seen);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_cameras_that_see_nothing),
         cmocka_unit_test(test_even_light_shows_the_solids_own_colour),
         cmocka_unit_test(test_key_light_head_on_gives_its_strength),
         cmocka_unit_test(test_a_ramp_appears_where_perspective_puts_it),
