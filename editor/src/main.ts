@@ -4,6 +4,7 @@ import { Actions } from './actions';
 import { Timing, type App } from './app';
 import { Connection } from './connection';
 import { Model } from './model';
+import { installAskedColours } from './asked';
 import { buildPage } from './panels/page';
 import type { BodyState, DocumentEvent, Hello, JobEvent } from './protocol';
 import { Store } from './store';
@@ -112,5 +113,6 @@ const commands = buildPage(app);
 installFieldView(app);
 installMarks(app);
 installVolumeView(app);
+installAskedColours(app);
 toolbox.enter();
 (globalThis as any).pith = Object.assign(app, { commands }); // for tests, benchmarks, and the curious

@@ -1,0 +1,65 @@
+// When the view has come to rest, solids drawn from voxels get the colours that the server computes for the points that
+// are seen: as fine as a picture of the command line.
+
+import type { App } from './app';
+import { Refusal } from './connection';
+import type { Json, Packet } from './protocol';
+import { bodyKey, solidOf } from './store';
+import { ColourSheet } from './view/asked';
+
+const rest = 160;                   // ms without a change of the view until it rests
+const most = 1 << 16;               // points in a request: others come between
+const often = 120;                  // ms between pictures while colours arrive
+
+/* Functions that tell a surface's sides from one another. */
+const turned = ['normal', 'view', 'light'];
+
+/** Asks for the colours whenever the view rests. */
+export function installAskedColours(app: App): void {
+  const { store, viewport, connection } = app;
+  let wanted: string | null = null, timer = 0;
+
+  viewport.onDraw.push(() => {
+    const seen = viewport.seen();
+    if (seen === wanted) return;
+    wanted = seen;
+    clearTimeout(timer);
+    if (seen !== null) timer = window.setTimeout(() => void ask(seen), rest);
+  });
+
+  async function ask(seen: string): Promise<void> {
+    const { width, height } = viewport.canvas, sheet = new ColourSheet(width, height);
+    let shown = performance.now();
+    for (const body of viewport.voxelBodies()) {
+      const found = viewport.seePoints(body, followsSides(solidOf(store.state, body)?.json));
+      for (let first = 0; first < found.pixels.length; first += most) {
+        const end = Math.min(first + most, found.pixels.length);
+        const part = (values: Float32Array | null): Float32Array | null => values && values.subarray(3 * first, 3 * end);
+        const arrays: { [name: string]: Float32Array } = { points: part(found.points)!,
+          footprints: found.footprints.subarray(first, end) };
+        if (found.normals) Object.assign(arrays, { normals: part(found.normals), views: part(found.views) });
+        const answer = await colours({ ...bodyKey(store.state, body), light: viewport.lightDirection }, arrays);
+        if (!answer || viewport.seen() !== seen) return;
+        sheet.take(found.pixels.subarray(first, end), answer.arrays.colours as Uint8Array);
+        if (performance.now() - shown < often) continue;
+        shown = performance.now();
+        viewport.showColours(sheet, seen, false);
+      }
+    }
+    viewport.showColours(sheet, seen, true);
+  }
+
+  /* Null when it was refused: the solid is gone, or another page's request took the place; the voxels stay then. */
+  async function colours(keys: Json, arrays: { [name: string]: Float32Array }): Promise<Packet | null> {
+    try {
+      return await connection.upload<Packet>('colours', keys, arrays);
+    } catch (reason) {
+      if (!(reason instanceof Refusal)) throw reason;
+      return null;
+    }
+  }
+}
+
+function followsSides(solid: Json | undefined): boolean {
+  return ((solid?.nodes ?? []) as Json[]).some((node) => turned.includes(node.function));
+}
