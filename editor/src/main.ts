@@ -74,9 +74,9 @@ function takeJob(event: JobEvent): void {
 
 async function hello(): Promise<void> {
   const answer = await connection.ask<Hello>('hello');
-  const { version, path, file, socket, automatic, schema, types, templates } = answer;
+  const { version, path, file, socket, automatic, schema, types, functions = {}, templates } = answer;
   viewport.stateCamera(answer.document.camera);
-  store.set({ connection: 'open', version, path, file, socket, automatic, schema, types, templates });
+  store.set({ connection: 'open', version, path, file, socket, automatic, schema, types, functions, templates });
   takeDocument(answer);
 }
 

@@ -27,6 +27,11 @@ export interface DocumentEvent {
 
 export interface TypeNeeds { depth: boolean; direction: boolean; vectors: boolean; scale: boolean }
 
+export type ValueKind = 'number' | 'colour' | 'point';
+/** What a function of computed solids gives and takes; its options are in the schema. */
+export interface InputFacts { name: string; takes: ValueKind | 'any'; wanted: boolean; many: boolean; standard: number }
+export interface Functions { [name: string]: { gives: ValueKind; inputs: InputFacts[] } }
+
 export interface Hello extends Omit<DocumentEvent, 'event'> {
   version: string;
   path: string;
@@ -35,6 +40,7 @@ export interface Hello extends Omit<DocumentEvent, 'event'> {
   automatic: boolean;
   schema: Json;
   types: { [type: string]: TypeNeeds };
+  functions: Functions;
   templates: string[];
 }
 
