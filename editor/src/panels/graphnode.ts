@@ -68,7 +68,7 @@ function functionRow(app: App, name: string, from: string, about: string): Child
   });
   return [row('Function', button([labelOf(from), icon('down', 14)], change,
     { key: 'function', class: 'function-button', tip: 'Choose another function; what both have stays' })),
-  h('p', { class: 'quiet node-about' }, about)];
+  h('p', { class: 'quiet node-about' }, about.replaceAll('`', ''))];
 }
 
 async function changeFunction(app: App, name: string, next: string, file: string | null): Promise<void> {
@@ -170,7 +170,8 @@ function assetEditor(app: App, key: string, path: string, name: string, schema: 
 export function softRanges(properties: Json, diagonal: number): { [key: string]: [number, number] } {
   const ranges: { [key: string]: [number, number] } = {}, size = Number(diagonal.toPrecision(1));
   for (const [key, { minimum: low, maximum: high, default: standard, description = '', type }] of Object.entries(properties)) {
-    if ((type !== 'number' && type !== 'integer') || high - low <= 1000 || high > 1e12) continue;
+    if ((type !== 'number' && type !== 'integer') || high > 1e12 || (high - low <= 1000 && !(low > 0 && high <= 1))) continue;
+    if (high <= 1 && low > 0) { ranges[key] = [0, high]; continue; }
     const unit = /\(([^()]*)\)$/.exec(description)?.[1] ?? '';
     if (/^model unit/.test(unit)) ranges[key] = low < 0 ? [-size, size] : low > 0 ? [size / 1000, size] : [0, size];
     else if (/per model unit/.test(unit)) ranges[key] = [1 / size, 200 / size];
