@@ -113,6 +113,6 @@ const commands = buildPage(app);
 installFieldView(app);
 installMarks(app);
 installVolumeView(app);
-installAskedColours(app);
+const asked = installAskedColours(app);
 toolbox.enter();
-(globalThis as any).pith = Object.assign(app, { commands }); // for tests, benchmarks, and the curious
+(globalThis as any).pith = Object.assign(app, { commands, asked }); // for tests, benchmarks, and the curious

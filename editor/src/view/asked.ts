@@ -66,14 +66,24 @@ export class PointPass {
   }
 }
 
+const steps = 4096;
+const decoded = Float32Array.from({ length: 256 }, (_, i) =>
+  (i / 255 <= 0.04045 ? i / 255 / 12.92 : ((i / 255 + 0.055) / 1.055) ** 2.4));
+const encoded = Uint8Array.from({ length: steps + 1 }, (_, i) =>
+  Math.round(255 * (i / steps <= 0.0031308 ? (12.92 * i) / steps : 1.055 * (i / steps) ** (1 / 2.4) - 0.055)));
+
 /** A picture of colours as the parts' shader takes it: one for each pixel of the view, its lowest row first; opacity 0
-    where none is known. */
+    where none is known. A pixel that is given several has their mean, of the light, not of the bytes. */
 export class ColourSheet {
   readonly bytes: Uint8Array;
   readonly texture: THREE.DataTexture;
+  private readonly sums: Float32Array;
+  private readonly counts: Uint8Array;
 
   constructor(width: number, height: number) {
     this.bytes = new Uint8Array(4 * width * height);
+    this.sums = new Float32Array(3 * width * height);
+    this.counts = new Uint8Array(width * height);
     this.texture = new THREE.DataTexture(this.bytes, width, height, THREE.RGBAFormat);
     this.texture.minFilter = this.texture.magFilter = THREE.NearestFilter;
     this.texture.generateMipmaps = false;
@@ -81,10 +91,15 @@ export class ColourSheet {
 
   /** Takes colours over; the next picture shows them. */
   take(pixels: Uint32Array, colours: Uint8Array): void {
-    pixels.forEach((pixel, k) => {
-      this.bytes.set(colours.subarray(4 * k, 4 * k + 3), 4 * pixel);
-      this.bytes[4 * pixel + 3] = 255;
-    });
+    const { bytes, sums, counts } = this;
+    for (let k = 0; k < pixels.length; ++k) {
+      const pixel = pixels[k], count = ++counts[pixel];
+      for (let c = 0; c < 3; ++c) {
+        const sum = (sums[3 * pixel + c] += decoded[colours[4 * k + c]]);
+        bytes[4 * pixel + c] = count === 1 ? colours[4 * k + c] : encoded[Math.round((steps * sum) / count)];
+      }
+      bytes[4 * pixel + 3] = 255;
+    }
     this.texture.needsUpdate = true;
   }
 }

@@ -298,10 +298,14 @@ export class Viewport {
     return [...bodies].filter((body) => this.solids.get(body)?.defines.GRID);
   }
 
-  /** The points of such a body that are seen. */
-  seePoints(body: number, turned: boolean): SeenPoints {
-    const groups = [this.view!.group, ...(this.section ? [this.section.group] : [])];
-    return this.pass.see(body, groups, this.table.camera, turned);
+  /** The points of such a body that are seen, moved from the middles of the pixels by parts of one. */
+  seePoints(body: number, turned: boolean, [dx, dy]: readonly [number, number]): SeenPoints {
+    const groups = [this.view!.group, ...(this.section ? [this.section.group] : [])], { camera } = this.table;
+    const { width, height } = this.canvas;
+    camera.setViewOffset(width, height, dx, dy, width, height);
+    const found = this.pass.see(body, groups, camera, turned);
+    camera.clearViewOffset();
+    return found;
   }
 
   /** Shows the colours of a sheet as long as the picture shows the same; `whole`: there will be no more of them. */
