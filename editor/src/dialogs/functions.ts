@@ -50,7 +50,7 @@ export function functionDialog(app: App, title: string, name: string | null, cho
       if (event.key === 'ArrowDown' && buttons.length > 0) { event.preventDefault(); buttons[0].focus(); }
     };
   }
-  const about = (from: string): string => ((functionSchema(schema, from).description ?? '') as string).replaceAll('`', '');
+  const about = (from: string): string => ((functionSchema(schema, from).description ?? '') as string).replace(/`([^`]*)`/g, '“$1”');
   const close = openDialog({ title, body: [search, host], class: 'wide functions' });
   show();
   search.focus();

@@ -68,7 +68,7 @@ function functionRow(app: App, name: string, from: string, about: string): Child
   });
   return [row('Function', button([labelOf(from), icon('down', 14)], change,
     { key: 'function', class: 'function-button', tip: 'Choose another function; what both have stays' })),
-  h('p', { class: 'quiet node-about' }, about.replaceAll('`', ''))];
+  h('p', { class: 'quiet node-about' }, about.replace(/`([^`]*)`/g, '“$1”'))];
 }
 
 async function changeFunction(app: App, name: string, next: string, file: string | null): Promise<void> {
