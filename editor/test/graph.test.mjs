@@ -291,16 +291,21 @@ describe('computed solids in the editor', { timeout: 600000 }, () => {
 
   test('directions: the function brings strokes, and then their tool is of use', async () => {
     const page = await open('wood.pith');
-    const tip = (name) => page.evaluate((name) => document.querySelector(`.tool[data-tool="${name}"], [data-key="tool-${name}"], [data-key="${name}"]`)?.dataset.tip ?? '', name);
-    void tip;
-    const why = (name) => page.evaluate((name) => globalThis.pith.toolbox.why?.(name) ?? globalThis.pith.commands.get(`tool.${name}`)?.why?.() ?? null, name).catch(() => null);
-    void why;
+    const tool = (name) => page.getByRole('radio', { name, exact: true }).first();
+    const why = (name) => tool(name).getAttribute('data-tip');
+    for (const name of ['Fill', 'Depth', 'Scale', 'Paste', 'Direction']) {
+      const label = await page.evaluate((name) => globalThis.pith.toolbox.get(name).label, { Fill: 'fill', Depth: 'depth', Scale: 'scale', Paste: 'paste', Direction: 'direction' }[name]);
+      assert.equal(await tool(label).getAttribute('aria-disabled'), 'true', name);
+      assert.match(await why(label), /is computed/);
+    }
+    const direction = await page.evaluate(() => globalThis.pith.toolbox.get('direction').label);
     await page.locator('[data-key="node+"]').click();
     await page.locator('dialog [data-function="direction"]').click();
     await until(page, 'there is a direction', () => nodeIn(page, 'direction'));
     const { document, undo } = await state(page);
     assert.ok(document.direction.strokes.length >= 1 && document.depth.constraints.length >= 2);
     assert.deepEqual(undo, ['Add direction']);
+    assert.equal(await tool(direction).getAttribute('aria-disabled'), 'false', 'strokes are of use now');
   });
 
   test('a computed texture from the dialog, scaled to the body, and back to a type', async () => {
