@@ -23,7 +23,7 @@ export interface AskedTimes { first: number; whole: number; points: number; byte
 export function installAskedColours(app: App): AskedTimes {
   const times: AskedTimes = { first: 0, whole: 0, points: 0, bytes: 0 };
   const { store, viewport, connection } = app;
-  let wanted: string | null = null, timer = 0;
+  let wanted: string | null = null, timer = 0, turn = 0;
 
   viewport.onDraw.push(() => {
     const seen = viewport.seen();
@@ -35,12 +35,13 @@ export function installAskedColours(app: App): AskedTimes {
 
   async function ask(seen: string): Promise<void> {
     const { width, height } = viewport.canvas, sheet = new ColourSheet(width, height), start = performance.now();
+    const own = ++turn, fresh = (): boolean => own === turn && viewport.seen() === seen;
     let points = 0, bytes = 0;
     for (const [i, shift] of places.entries()) {
       for (const body of viewport.voxelBodies()) {
-        if (viewport.seen() !== seen) return;
+        if (!fresh()) return;
         const found = viewport.seePoints(body, followsSides(solidOf(store.state, body)?.json), shift);
-        const took = await takeAll(body, found, sheet, seen);
+        const took = await takeAll(body, found, sheet, seen, fresh);
         if (took === null) return;
         points += found.pixels.length;
         bytes += took;
@@ -52,7 +53,8 @@ export function installAskedColours(app: App): AskedTimes {
   }
 
   /* The bytes that came and went; null when the view is another by now. */
-  async function takeAll(body: number, found: SeenPoints, sheet: ColourSheet, seen: string): Promise<number | null> {
+  async function takeAll(body: number, found: SeenPoints, sheet: ColourSheet, seen: string,
+    fresh: () => boolean): Promise<number | null> {
     let shown = performance.now(), bytes = 0;
     for (let first = 0; first < found.pixels.length; first += most) {
       const end = Math.min(first + most, found.pixels.length);
@@ -61,7 +63,7 @@ export function installAskedColours(app: App): AskedTimes {
         footprints: found.footprints.subarray(first, end) };
       if (found.normals) Object.assign(arrays, { normals: part(found.normals), views: part(found.views) });
       const answer = await colours({ ...bodyKey(store.state, body), light: viewport.lightDirection }, arrays);
-      if (!answer || viewport.seen() !== seen) return null;
+      if (!answer || !fresh()) return null;
       bytes += answer.bytes + Object.values(arrays).reduce((sum, values) => sum + values.byteLength, 0);
       sheet.take(found.pixels.subarray(first, end), answer.arrays.colours as Uint8Array);
       if (performance.now() - shown < often) continue;
