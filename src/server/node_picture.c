@@ -47,8 +47,10 @@ static pith_status take_node(const json_t *nodes, const json_t *name, json_t *ta
     const json_t *node = find_node(nodes, text);
     if (!node) return pith_fail(err, PITH_BAD_ARGUMENT, "node: the solid has no node \"%.100s\"", text);
     if (strcmp(function_of(node)->name, "direction") == 0)
-        return pith_fail(err, PITH_BAD_ARGUMENT, "node: \"%.100s\" follows the body's direction field, of which there "
-                         "is no picture", text);
+        return pith_fail(err, PITH_BAD_ARGUMENT,
+                         "node: \"%.100s\" follows the body's direction field, of which there "
+                         "is no picture",
+                         text);
     json_array_append(taken, (json_t *)node);
     return take_inputs(nodes, node, taken, err);
 }
@@ -102,8 +104,8 @@ static pith_status square_make(square *at, const json_t *asked, pith_error *err)
 /* A document of nothing but these nodes; `colour` is taken over. */
 static char *document_around(const json_t *nodes, const json_t *seed, json_t *colour)
 {
-    json_t *solid = json_pack("{ss ss sO so}", "name", "node", "kind", "procedural", "nodes", (json_t *)nodes, "colour",
-                              colour);
+    json_t *solid =
+        json_pack("{ss ss sO so}", "name", "node", "kind", "procedural", "nodes", (json_t *)nodes, "colour", colour);
     if (seed) json_object_set(solid, "seed", (json_t *)seed);
     json_t *root = json_pack("{si s{s{}} s[o]}", "pith", 1, "shape", "block", "solids", solid);
     char *text = root ? json_dumps(root, JSON_COMPACT) : NULL;
@@ -159,8 +161,8 @@ static pith_status picture_of_point(const char *path, const json_t *solid, json_
 {
     static const char *const axes[] = { "x", "y", "z" }, reader_name[] = "coordinate of what is looked at";
     for (int axis = 0; axis < 3; ++axis) {
-        json_array_append_new(nodes, json_pack("{ss ss ss ss}", "name", reader_name, "function", "component", "of", name,
-                                               "what", axes[axis]));
+        json_array_append_new(nodes, json_pack("{ss ss ss ss}", "name", reader_name, "function", "component", "of",
+                                               name, "what", axes[axis]));
         PITH_TRY(ask(path, document_around(nodes, json_object_get(solid, "seed"), json_string(reader_name)), at, err));
         json_array_remove(nodes, json_array_size(nodes) - 1);
         put_scaled(at, pixels, axis, 1, range + 2 * axis);
@@ -180,8 +182,10 @@ static pith_status picture_of_value(const char *path, const json_t *solid, const
                                     bool colour, square *at, uint8_t (*pixels)[4], double range[6], pith_error *err)
 {
     PITH_TRY(ask(path, document_around(nodes, json_object_get(solid, "seed"), json_string(name)), at, err));
-    if (!colour && is_grey(at)) put_scaled(at, pixels, 0, 3, range);
-    else pack_colours(at->answers[0], at->count, 4, pixels);
+    if (!colour && is_grey(at))
+        put_scaled(at, pixels, 0, 3, range);
+    else
+        pack_colours(at->answers[0], at->count, 4, pixels);
     return PITH_OK;
 }
 

@@ -8,7 +8,7 @@
     "[{\"name\": \"across\", \"function\": \"component\", \"what\": \"x\"},"                                           \
     " {\"name\": \"moved\", \"function\": \"place\", \"move_x\": 5, \"move_y\": -2},"                                  \
     " {\"name\": \"squares\", \"function\": \"checks\", \"size\": 0.25},"                                              \
-    " {\"name\": \"paint\", \"function\": \"mix\", \"a\": \"#204060\", \"b\": \"#ffffff\", \"by\": \"squares\"},"       \
+    " {\"name\": \"paint\", \"function\": \"mix\", \"a\": \"#204060\", \"b\": \"#ffffff\", \"by\": \"squares\"},"      \
     " {\"name\": \"shade\", \"function\": \"dot\", \"a\": \"side\", \"b\": \"eye\"},"                                  \
     " {\"name\": \"side\", \"function\": \"normal\"}, {\"name\": \"eye\", \"function\": \"view\"},"                    \
     " {\"name\": \"along\", \"function\": \"direction\"},"                                                             \
@@ -17,8 +17,10 @@
 static desk *open_computed(const char *colour)
 {
     char text[2400];
-    snprintf(text, sizeof text, "{\"pith\": 1, \"title\": \"sample\", " SAMPLE_FIELDS ", \"solids\": [{\"name\": \"c\","
-             " \"kind\": \"procedural\", \"nodes\": " NODES ", \"colour\": \"%s\"}]}", colour);
+    snprintf(text, sizeof text,
+             "{\"pith\": 1, \"title\": \"sample\", " SAMPLE_FIELDS ", \"solids\": [{\"name\": \"c\","
+             " \"kind\": \"procedural\", \"nodes\": " NODES ", \"colour\": \"%s\"}]}",
+             colour);
     write_text("kiwi.pith", text);
     return desk_open(false, false);
 }
@@ -113,7 +115,8 @@ static void test_nodes_that_have_no_picture_are_refused(void **state)
     REFUSED(at, "bad argument", "no node \"none\"", "\"do\": \"node\", \"node\": \"none\", " SQUARE);
     REFUSED(at, "bad argument", "direction field", "\"do\": \"node\", \"node\": \"led\", " SQUARE);
     REFUSED(at, "bad argument", "corner: is missing", "\"do\": \"node\", \"node\": \"across\"");
-    REFUSED(at, "bad argument", "size: is 4", "\"do\": \"node\", \"node\": \"across\", \"size\": 4, \"corner\": [0, 0, 0], "
+    REFUSED(at, "bad argument", "size: is 4",
+            "\"do\": \"node\", \"node\": \"across\", \"size\": 4, \"corner\": [0, 0, 0], "
             "\"along\": [1, 0, 0], \"up\": [0, 1, 0]");
     desk_close(at);
     write_text("kiwi.pith", SAMPLE_DOCUMENT);
@@ -235,12 +238,9 @@ int main(void)
 {
 #define TEST(name) cmocka_unit_test_setup(name, fresh_document)
     const struct CMUnitTest tests[] = {
-        TEST(test_hello_says_what_functions_give_and_take),
-        TEST(test_pictures_of_nodes_are_what_they_give),
-        TEST(test_nodes_that_have_no_picture_are_refused),
-        TEST(test_colours_are_those_of_the_points),
-        TEST(test_colours_know_the_sides_that_are_told),
-        TEST(test_points_that_are_none_are_refused),
+        TEST(test_hello_says_what_functions_give_and_take), TEST(test_pictures_of_nodes_are_what_they_give),
+        TEST(test_nodes_that_have_no_picture_are_refused),  TEST(test_colours_are_those_of_the_points),
+        TEST(test_colours_know_the_sides_that_are_told),    TEST(test_points_that_are_none_are_refused),
     };
     return cmocka_run_group_tests(tests, make_folder, drop_folder);
 }
