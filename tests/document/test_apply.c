@@ -412,9 +412,9 @@ static const effect effects[] = {
       "[ " ROCK ", \"type\": \"1-A\" }, " CRUMB ", \"type\": \"1-A\" } ]" },
     { FULL, "{\"op\": \"cut.plane\", " PLANE("0") ", \"keep\": \"negative\"}", "cuts",
       "[ { " PLANE("0") ", \"keep\": \"negative\" } ]" },
-    { FULL, "{\"op\": \"cut.stroke\", \"stroke\": { \"eye\": [0, 0, 9], \"points\": " LINE ", \"smoothing\": 2 },"
+    { FULL, "{\"op\": \"cut.stroke\", \"stroke\": { \"eye\": [0, -9, 0], \"points\": " LINE ", \"smoothing\": 2 },"
             " \"gap\": 0.5}", "cuts",
-      "[ { \"stroke\": { \"eye\": [0, 0, 9], \"points\": " LINE ", \"smoothing\": 2 }, \"gap\": 0.5 } ]" },
+      "[ { \"stroke\": { \"eye\": [0, -9, 0], \"points\": " LINE ", \"smoothing\": 2 }, \"gap\": 0.5 } ]" },
     { FULL, "[{\"op\": \"cut.plane\", " PLANE("1") "}, {\"op\": \"cut.plane\", " PLANE("2") "},"
             " {\"op\": \"cut.plane\", " PLANE("3") "}, {\"op\": \"cut.remove\"},"
             " {\"op\": \"cut.remove\", \"index\": 0}]",
