@@ -241,11 +241,16 @@ static pith_status add_step(session *own, const char *name, held_document *held,
 static pith_status take_change(session *own, const char *name, held_document *held, pith_error *err)
 {
     if (strcmp(held->text, own->present->text) != 0) return add_step(own, name, held, err);
+    const pith_status status = keep_unsaved(own, held->text, err);
+    if (status != PITH_OK) {
+        document_release(held);
+        return status;
+    }
     document_release(own->steps[own->at].held);
     own->steps[own->at].held = document_hold(held);
     document_release(own->present);
     own->present = held;
-    return keep_unsaved(own, held->text, err);
+    return PITH_OK;
 }
 
 pith_status session_apply(session *opened, const char *name, const char *operations, size_t size, session_check *check,

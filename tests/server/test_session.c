@@ -197,7 +197,8 @@ static void test_long_names_are_cut_at_a_character(void **state)
     session *own = open_sample();
     char name[200] = "";
     for (int i = 0; i < 80; ++i) strcat(name, "\xc3\xa9");
-    CHECK_OK(session_apply(own, name, "[]", 2, NULL, NULL, &err));
+    static const char rename[] = "[{\"op\": \"set\", \"path\": \"title\", \"value\": \"one\"}]";
+    CHECK_OK(session_apply(own, name, rename, strlen(rename), NULL, NULL, &err));
     assert_int_equal(strlen(session_step_name(own)), 118);
     assert_memory_equal(session_step_name(own), name, 118);
     session_close(own);
@@ -319,7 +320,7 @@ static void test_a_file_that_others_changed_is_noticed(void **state)
     assert_false(session_disk_is_known(own));
     CHECK_OK(session_revert(own, &err));
     assert_true(session_disk_is_known(own));
-    assert_string_equal(session_undo_name(own, 0), "Revert to the file");
+    assert_null(session_undo_name(own, 0));
     remove(in_folder("kiwi.pith"));
     assert_false(session_disk_is_known(own));
     CHECK_OK(session_save(own, &err));
