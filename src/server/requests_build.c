@@ -11,7 +11,7 @@
    what the document says has failed. */
 static const char *reason(const held_document *held, size_t index, const builder_failure *failure, uint64_t signature)
 {
-    if (!body_has_solid(held, index)) return "it has no solid yet; give it one to fill it with";
+    if (!body_has_solid(held, index)) return "It has no solid yet; give it one to fill it with";
     if (failure->signature && failure->signature == signature && failure->body == index) return failure->message;
     return NULL;
 }

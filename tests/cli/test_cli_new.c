@@ -145,7 +145,8 @@ static void test_open_surfaces_are_told_to_be_open(void **state)
     (void)state;
     CHECK_RUN(0, "printf 'v 0 0 0\\nv 1 0 0\\nv 0 1 0\\nf 1 2 3\\n' > tri.obj");
     for (int i = 0; i < 2; ++i) {
-        CHECK_RUN(1, i ? "build/pith edit tri.obj --no-open" : "build/pith new tri.obj tri.pith");
+        CHECK_RUN(1, i ? "mkdir -p page && touch page/index.html && build/pith edit tri.obj --no-open --page page"
+                       : "build/pith new tri.obj tri.pith");
         CHECK_SAYS(run_err, "tri.obj: the mesh is not closed");
         CHECK_SAYS(run_err, "3 boundary edges in 1 loop");
     }
