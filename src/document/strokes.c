@@ -9,8 +9,8 @@
 enum { REMEMBERED = 256 };
 static struct good_memory {
     pthread_mutex_t lock;
-    uint64_t keys[REMEMBERED];          /* 0: none */
-    size_t next;                        /* the one that is forgotten next */
+    uint64_t keys[REMEMBERED]; /* 0: none */
+    size_t next;               /* the one that is forgotten next */
 } good = { .lock = PTHREAD_MUTEX_INITIALIZER };
 
 static bool is_known(uint64_t key)

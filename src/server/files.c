@@ -181,8 +181,8 @@ static pith_status check_name(const char *key, const char *name, pith_error *err
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; ++i)
         if (has_kind(name, kinds[i].kind)) return PITH_OK;
     return pith_fail(err, PITH_BAD_ARGUMENT,
-                     "%s: %s has no extension that pith reads (obj, ply, stl, off, glb, nrrd, nhdr, png, jpg, json, pith)",
-                     key, name);
+                     "%s: %s has no extension that pith reads (obj, ply, stl, off, glb, nrrd, nhdr, png, jpg, json, "
+                     "pith)", key, name);
 }
 
 /* The content first goes to a file of another name, whose link then fails where there is one already. */
@@ -276,7 +276,8 @@ pith_status files_make_folders(file_place *place, pith_error *err)
 
 void files_drop_folders(file_place *place, size_t before)
 {
-    for (size_t i = before < strlen(place->path) ? before : strlen(place->path); place->missing && i-- > place->missing;) {
+    const size_t length = strlen(place->path);
+    for (size_t i = before < length ? before : length; place->missing && i-- > place->missing;) {
         if (place->path[i] != '/') continue;
         place->path[i] = 0;
         rmdir(place->path);

@@ -109,7 +109,8 @@ static void build_what_is_asked(editor *own)
     own->asked_to_look = false;
     if (own->state->shows || builder_has_done(own->build, JOB_FIELDS, signature)) return;
     if (failure.signature == signature) viewer_refuse_questions(own->view, failure.message);
-    else if (own->declined == signature) viewer_refuse_questions(own->view, "Building the model was cancelled; update it to look inside");
+    else if (own->declined == signature)
+        viewer_refuse_questions(own->view, "Building the model was cancelled; update it to look inside");
     else own->asked_to_look = builder_update(own->build, held, JOB_FIELDS, signature) != 0;
 }
 

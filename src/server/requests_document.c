@@ -106,9 +106,9 @@ static pith_status check_revision(const editor *own, request *asked, pith_error 
     const double given = request_number(asked, "revision", 0);
     if (given == (double)session_revision(own->opened)) return PITH_OK;
     asked->refusal = "stale";
-    return pith_fail(err, PITH_BAD_ARGUMENT, "Another page was first: the document is at revision %llu, and this was meant "
-                     "for %.0f; look at what it is now, and do it again", (unsigned long long)session_revision(own->opened),
-                     given);
+    return pith_fail(err, PITH_BAD_ARGUMENT, "Another page was first: the document is at revision %llu, and this was "
+                     "meant for %.0f; look at what it is now, and do it again",
+                     (unsigned long long)session_revision(own->opened), given);
 }
 
 /* Answers what has changed the document, which was at `before`; pages are told of it when it is another. */

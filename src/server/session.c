@@ -70,7 +70,8 @@ void document_plain(const char *path, char *sentence)
     char words[PATH_MAX + 3];
     const char *slash = strrchr(path, '/');
     take_out(sentence, words, (size_t)snprintf(words, sizeof words, "%s: ", path));
-    if (slash && slash > path) take_out(sentence, words, (size_t)snprintf(words, sizeof words, "%.*s", (int)(slash + 1 - path), path));
+    if (!slash || slash == path) return; /* every path begins with the folder "/" */
+    take_out(sentence, words, (size_t)snprintf(words, sizeof words, "%.*s", (int)(slash + 1 - path), path));
 }
 
 /* ---- the session ------------------------------------------------------------------------------------------------- */
@@ -285,13 +286,15 @@ static pith_status go_to(session *own, size_t index, pith_error *err)
 
 pith_status session_undo(session *opened, pith_error *err)
 {
-    if (opened->at == 0) return pith_fail(err, PITH_BAD_ARGUMENT, "There is nothing to undo: this is the first step there is");
+    if (opened->at == 0)
+        return pith_fail(err, PITH_BAD_ARGUMENT, "There is nothing to undo: this is the first step there is");
     return go_to(opened, opened->at - 1, err);
 }
 
 pith_status session_redo(session *opened, pith_error *err)
 {
-    if (opened->at + 1 >= opened->count) return pith_fail(err, PITH_BAD_ARGUMENT, "There is nothing to do again: this is the last step there is");
+    if (opened->at + 1 >= opened->count)
+        return pith_fail(err, PITH_BAD_ARGUMENT, "There is nothing to do again: this is the last step there is");
     return go_to(opened, opened->at + 1, err);
 }
 

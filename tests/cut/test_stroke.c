@@ -362,7 +362,10 @@ static void test_strokes_are_checked_without_a_part(void **state)
     draw(curl, -3, 0);
     for (int i = 0; i <= 40; ++i) draw(curl, -2 + 0.4 * sin(i * M_PI / 20), 0.4 - 0.4 * cos(i * M_PI / 20) + 0.002 * i);
     draw(curl, 3, 0);
-    for (int i = 0; i <= 300; ++i) draw(spiral, (0.8 - 0.7 * i / 300) * cos(i * M_PI / 60), (0.8 - 0.7 * i / 300) * sin(i * M_PI / 60));
+    for (int i = 0; i <= 300; ++i) {
+        const double turn = i * M_PI / 60, radius = 0.8 - 0.7 * i / 300;
+        draw(spiral, radius * cos(turn), radius * sin(turn));
+    }
     const pith_cut_stroke good = { front, line->points, line->count }, loop = { front, curl->points, curl->count };
     const pith_cut_stroke shut = { front, spiral->points, spiral->count };
     CHECK_OK(pith_cut_stroke_check(&good, &standard, NULL, 0, &err));

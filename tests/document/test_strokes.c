@@ -6,7 +6,7 @@ static pith_error err;
 
 /* A ball of radius 1 seen from far above: in the picture x goes right and y up. */
 #define BALL "\"shape\": { \"fruit\": { \"detail\": 2 }, \"tets\": { \"tetrahedra\": 300 } }"
-#define EYE "\"eye\": [0, 0, 100]"
+#define EYE  "\"eye\": [0, 0, 100]"
 
 /* Along x through the ball, with a loop of radius 0.3 round (middle, 0.3) on the way. */
 static const char *looped(double middle)
@@ -23,8 +23,10 @@ static const char *looped(double middle)
 static pith_status parse_cuts(const char *shape, const char *stroke, pith_document **document)
 {
     char text[6000];
-    snprintf(text, sizeof text, "{ \"pith\": 1, %s, \"cuts\": [ { \"plane\": { \"point\": [0, 0, 0], \"normal\": "
-             "[1, 0, 0] } }, { \"stroke\": %s } ] }", shape, stroke);
+    snprintf(text, sizeof text,
+             "{ \"pith\": 1, %s, \"cuts\": [ { \"plane\": { \"point\": [0, 0, 0], \"normal\": "
+             "[1, 0, 0] } }, { \"stroke\": %s } ] }",
+             shape, stroke);
     return parse_text(text, document, &err);
 }
 
@@ -104,8 +106,10 @@ static void test_failing_allocations(void **state)
         const pith_status status = parse_cuts(BALL, looped(2.1 + 1e-5 * (double)n), &document);
         pith_memory_fail_after(SIZE_MAX);
         done = status == PITH_OK && n > 200;
-        if (status == PITH_OK) pith_document_destroy(document);
-        else assert_int_equal(status, PITH_NO_MEMORY);
+        if (status == PITH_OK)
+            pith_document_destroy(document);
+        else
+            assert_int_equal(status, PITH_NO_MEMORY);
     }
     assert_true(done);
 }

@@ -7,8 +7,8 @@ static pith_error err;
 static pith_status parse(const char *solids, pith_document **document)
 {
     char text[3000];
-    snprintf(text, sizeof text, "{ \"pith\": 1, " SAMPLE_SHAPE ", " SAMPLE_DEPTH ", " SAMPLE_DIRECTION
-             ", \"solids\": [ %s ] }", solids);
+    snprintf(text, sizeof text,
+             "{ \"pith\": 1, " SAMPLE_SHAPE ", " SAMPLE_DEPTH ", " SAMPLE_DIRECTION ", \"solids\": [ %s ] }", solids);
     return pith_document_parse(in_folder("v.pith"), text, strlen(text), document, &err);
 }
 
@@ -32,7 +32,9 @@ static void test_files_that_are_no_voxels_are_refused(void **state)
 {
     (void)state;
     static const char cut_off[] = "NRRD0004\ntype: uchar\ndimension: 4\nsizes: 3 8 8 8\nencoding: raw\n\nxyz";
-    static const struct { const char *solids, *words; } cases[] = {
+    static const struct {
+        const char *solids, *words;
+    } cases[] = {
         { LAPPED("garbage.nrrd"), "v.pith: solids[0].exemplar.file: is \"garbage.nrrd\", which cannot be used: is no "
                                   "NRRD file" },
         { PASTED("garbage.nrrd"), "v.pith: solids[0].pastes[0].exemplar.file: is \"garbage.nrrd\", which cannot" },
@@ -67,8 +69,9 @@ static void test_files_that_are_no_voxels_are_refused(void **state)
     pith_document_destroy(document);
 
     /* Nor a photograph that is none. */
-    static const char strip[] = "{ \"op\": \"set\", \"path\": \"solids[0].exemplar\", \"value\": { \"layered\": { \"strip\": "
-                                "\"garbage.nrrd\" } } }";
+    static const char strip[] =
+        "{ \"op\": \"set\", \"path\": \"solids[0].exemplar\", \"value\": { \"layered\": { \"strip\": "
+        "\"garbage.nrrd\" } } }";
     CHECK_OK(parse(LAPPED("three.nrrd"), &document));
     CHECK_FAILS(pith_document_apply(document, strip, strlen(strip), &edited, &err), PITH_BAD_FILE,
                 "solids[0].exemplar.layered: strip: ");

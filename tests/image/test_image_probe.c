@@ -29,7 +29,8 @@ static void write_bytes(const char *path, const char *head, size_t values)
 static void test_probing_agrees_with_reading(void **state)
 {
     (void)state;
-    static const char *const files[] = { /* each with 2 * 3 * 4 * 5 bytes of values */
+    static const char *const files[] = {
+        /* each with 2 * 3 * 4 * 5 bytes of values */
         "NRRD0004\ntype: uchar\ndimension: 4\nsizes: 2 3 4 5\nencoding: raw\n\n",
         "NRRD0001\r\ntype: int8\r\n# a comment\r\ndimension: 3\r\nsizes: 6 4 5\r\nencoding: raw\r\n\r\n",
         "NRRD0005\ntype: short\nendian: big\ndimension: 3\nsizes: 3 4 5\nspacings: 1 2 3\nencoding: raw\n\n",
@@ -79,7 +80,8 @@ static void test_what_is_no_voxel_file_is_refused(void **state)
         { "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 4000 4000 4000\nencoding: raw\n\n", "more than 8 GiB" },
         { "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 400 400 400\nencoding: gzip\n\n", "cannot hold" },
         { "NRRD0004\ntype: uchar\ndimension: 4\nsizes: 65 1 1 1\nencoding: raw\n\n", "at most 64" },
-        { "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 2\nencoding: raw\ndata file: nowhere.raw\n\n", "nowhere.raw" },
+        { "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 2\nencoding: raw\ndata file: nowhere.raw\n\n",
+          "nowhere.raw" },
         { "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 2\nencoding: raw\ndata file: LIST\n\n", "several files" },
         { "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 2\nencoding: bzip2\n\n", "encoding" },
     };

@@ -51,7 +51,8 @@ static size_t check_pastes(const struct heard *solid, const struct heard *view)
 {
     size_t counts[5];
     const float *patches = array_of(solid, "patches", &counts[0]), *positions = array_of(view, "positions", &counts[1]);
-    const uint32_t *corners = array_of(view, "corners", &counts[2]), *starts = array_of(view, "layer_start", &counts[3]);
+    const uint32_t *corners = array_of(view, "corners", &counts[2]),
+                   *starts = array_of(view, "layer_start", &counts[3]);
     const uint32_t *layers = array_of(view, "layers", &counts[4]);
     const double rt = json_number_value(json_object_get(view->text, "rt_unit"));
     const double s = json_number_value(json_object_get(view->text, "s_unit"));
@@ -87,14 +88,15 @@ static void test_a_paste_has_depth_of_its_own_in_every_type(void **state)
     static const char *const types[] = { "0-A", "1-A", "1-B" };
     for (size_t i = 0; i < sizeof types / sizeof *types; ++i) {
         char text[2000];
-        snprintf(text, sizeof text,
-                 "{\"pith\": 1, " SAMPLE_FIELDS ", \"scale\": {\"points\": [{\"point\": [0, 0, 0], \"size\": 0.7}]}, "
-                 "\"solids\": [{\"name\": \"flesh\", \"kind\": \"lapped\", \"type\": \"%s\", \"exemplar\": {\"layered\": "
-                 "{\"size\": [8, 8, 8], \"homogeneous\": %s, \"stops\": [{\"depth\": 0, \"colour\": \"#804020\"}]}}, "
-                 "\"pastes\": [{\"exemplar\": {\"layered\": " SAMPLE_RECIPE "}, \"point\": [%g, %g, %g], "
-                 "\"up\": [0, 1, 0], \"along\": [0, 0, 1], \"size\": %g}]}], "
-                 "\"cuts\": [{\"plane\": {\"point\": [0.08, 0, 0], \"normal\": [1, 0, 0]}, \"keep\": \"negative\"}]}",
-                 types[i], i == 0 ? "true" : "false", point[0], point[1], point[2], size_of_cube);
+        snprintf(
+            text, sizeof text,
+            "{\"pith\": 1, " SAMPLE_FIELDS ", \"scale\": {\"points\": [{\"point\": [0, 0, 0], \"size\": 0.7}]}, "
+            "\"solids\": [{\"name\": \"flesh\", \"kind\": \"lapped\", \"type\": \"%s\", \"exemplar\": {\"layered\": "
+            "{\"size\": [8, 8, 8], \"homogeneous\": %s, \"stops\": [{\"depth\": 0, \"colour\": \"#804020\"}]}}, "
+            "\"pastes\": [{\"exemplar\": {\"layered\": " SAMPLE_RECIPE "}, \"point\": [%g, %g, %g], "
+            "\"up\": [0, 1, 0], \"along\": [0, 0, 1], \"size\": %g}]}], "
+            "\"cuts\": [{\"plane\": {\"point\": [0.08, 0, 0], \"normal\": [1, 0, 0]}, \"keep\": \"negative\"}]}",
+            types[i], i == 0 ? "true" : "false", point[0], point[1], point[2], size_of_cube);
         write_text("kiwi.pith", text);
         desk *at = desk_open(true, false);
         settle(at);
