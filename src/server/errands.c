@@ -6,6 +6,7 @@
 
 #include "pack_internal.h"
 #include "request.h"
+#include "session.h"
 #include "worker.h"
 
 typedef struct errand {
@@ -90,6 +91,7 @@ static void run(errands *own, errand *at)
     pith_error err = { PITH_OK, "" };
     packet *made = NULL;
     if (make(own, at, &made, &err) != PITH_OK) {
+        document_plain(own->path, err.message);
         const char *place = strstr(err.message, prefix);
         made = request_failure(at->id, pith_status_text(err.status), place ? place + strlen(prefix) : err.message);
     }
