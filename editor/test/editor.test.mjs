@@ -44,8 +44,14 @@ describe('the editor', { timeout: 600000 }, () => {
   after(closeBrowser);
 
   test('the section is composed as the library samples it', async () => {
-    for (const name of ['kiwi.pith', 'sponge.pith', 'bricks_fitted.pith']) { // depth as s; s of its own; patches cut to fit
-      const page = await open(name);
+    const paste = (recipe, place) => (text) => { text.solids[0].pastes = [{ exemplar: { recipe: `exemplars/${recipe}` }, ...place }]; };
+    const cases = [ // depth as s; s of its own; patches cut to fit; pastes, whose s is their own whatever the fill's is
+      ['kiwi.pith'], ['sponge.pith'], ['bricks_fitted.pith'],
+      ['kiwi.pith', paste('kiwi.json', { point: [0.3, 0.2, 0.1], up: [0, -1, 0], along: [0, 0, 1], size: 0.9 })],
+      ['watermelon.pith', paste('cherry.json', { point: [0.35, 0.035, -0.3], up: [0, -1, 0], along: [0, 0, 1], size: 0.7, mask_radius: 0.5, drop_off: 0 })],
+    ];
+    for (const [name, change] of cases) {
+      const page = await open(name, change);
       await page.evaluate(() => globalThis.pith.viewport.look({ unlit: true }));
       const seen = await page.evaluate(() => {
         const { viewport } = globalThis.pith, { clientWidth: w, clientHeight: h } = viewport.element, list = [];

@@ -88,6 +88,13 @@ typedef struct pith_cut_stroke_options {
 } pith_cut_stroke_options;
 extern const pith_params pith_cut_stroke_params;
 pith_cut_stroke_options pith_cut_stroke_options_default(void);
+/** Can a model be cut along this stroke? What pith_part_stroke_values would refuse is refused, with its sentence.
+ *  model  [count] points that have the model's outline, such as the vertices of its mesh: what the stroke does outside
+ *         does not count. NULL: all of it counts, and what is good so is good for every model but for rare ends that
+ *         only a model's outline shuts in.
+ *  O(points + count + 1 / spacing²); 40 µs for 200 points with the standard spacing. */
+pith_status pith_cut_stroke_check(const pith_cut_stroke *stroke, const pith_cut_stroke_options *options,
+                                  const pith_vec3 *model, size_t count, pith_error *err);
 /** A scalar at each vertex of the part that is negative on the left and positive on the right of the stroke as seen from
  *  the eye, and 0 on the surface it sweeps (Takayama 2008 §5.1.1; thesis §5.3.1): an RBF in the plane of the picture with
  *  centres on the stroke (0) and to either side of it, kept within half its offset of the exact signed distance, so that

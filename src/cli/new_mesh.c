@@ -113,7 +113,20 @@ static void add_core(const pith_mesh_view *mesh, const uint32_t *parents, uint32
     else ++found->missed;
 }
 
-static pith_status find_cores(const pith_mesh *mesh, cores *found, pith_error *err)
+/* No component has a core: a surface that is not closed may well have no inside at all, and that comes first. */
+static pith_status refuse_coreless(const char *from, const pith_mesh_report *report, pith_error *err)
+{
+    char complaint[300];
+    if (report->closed)
+        return pith_fail(err, PITH_BAD_MESH, "%s: the mesh's longest axis does not run through its inside; start from a "
+                         "template (pith new kiwi) and draw the core's stroke by hand", from);
+    pith_mesh_complaint(report, complaint, sizeof complaint);
+    return pith_fail(err, PITH_BAD_MESH, "%s: the mesh is not closed and has no inside to be filled: %s; close its holes "
+                     "first", from, complaint);
+}
+
+static pith_status find_cores(const char *from, const pith_mesh *mesh, const pith_mesh_report *report, cores *found,
+                              pith_error *err)
 {
     const pith_mesh_view view = pith_mesh_look(mesh);
     uint32_t *parents = find_components(&view), (*own)[3] = pith_alloc(view.triangle_count, sizeof *own);
@@ -125,9 +138,7 @@ static pith_status find_cores(const pith_mesh *mesh, cores *found, pith_error *e
     pith_tracer_destroy(tracer);
     pith_free(parents);
     pith_free(own);
-    if (status == PITH_OK && found->count == 0)
-        status = pith_fail(err, PITH_BAD_MESH, "the mesh's longest axis does not run through its inside; start from a "
-                           "template (pith new kiwi) and draw the core's stroke by hand");
+    if (status == PITH_OK && found->count == 0) status = refuse_coreless(from, report, err);
     if (status == PITH_OK && found->missed)
         fprintf(stderr,
                 "pith new: of %d components of the mesh the longest axis does not run through the inside; draw their "
@@ -271,7 +282,7 @@ pith_status new_for_mesh(const new_wish *wish, json_t **root, pith_error *err)
     cores *found = pith_alloc(1, sizeof *found);
     if (!found) return PITH_OUT_OF_MEMORY(err, "a document");
     pith_status status = make_mesh(wish, &mesh, &report, &shape, err);
-    if (status == PITH_OK) status = find_cores(mesh, found, err);
+    if (status == PITH_OK) status = find_cores(wish->from, mesh, &report, found, err);
     json_t *made = NULL;
     if (status == PITH_OK) {
         const char *slash = strrchr(wish->from, '/');

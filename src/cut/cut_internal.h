@@ -171,7 +171,8 @@ typedef struct cut_curve {
 } cut_curve;
 
 /* The curve through drawn points: noise thinned, resampled at `spacing` of its length, what lies before and behind
-   `view` (where values are wanted) clipped, ends continued or joined. PITH_BAD_ARGUMENT when it has no two sides. */
+   `view` (where values are wanted; NULL: everywhere) clipped, ends continued or joined. PITH_BAD_ARGUMENT when it has no
+   two sides. */
 pith_status cut_curve_make(const cut_point2 *drawn, size_t count, double spacing, const cut_box2 *view,
                            cut_curve *curve, pith_error *err);
 void cut_curve_free(cut_curve *curve);

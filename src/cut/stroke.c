@@ -83,14 +83,14 @@ static pith_status look(const pith_cut_stroke *stroke, picture *view, cut_point2
     return PITH_OK;
 }
 
-/* The box of what the eye sees of the model. */
-static cut_box2 seen_box(const picture *view, const cut_origin *model)
+/* The box of what the eye sees of these points. */
+static cut_box2 seen_box(const picture *view, const pith_vec3 *points, size_t count)
 {
     cut_box2 box = { { INFINITY, INFINITY }, { -INFINITY, -INFINITY } };
-    for (uint32_t i = 0; i < model->vertex_count; ++i) {
+    for (size_t i = 0; i < count; ++i) {
         cut_point2 q;
         double depth;
-        if (!project(view, model->positions[i], &q, &depth)) continue;
+        if (!project(view, points[i], &q, &depth)) continue;
         box.low = (cut_point2){ fmin(box.low.x, q.x), fmin(box.low.y, q.y) };
         box.high = (cut_point2){ fmax(box.high.x, q.x), fmax(box.high.y, q.y) };
     }
@@ -310,7 +310,7 @@ static pith_status stroke_field(const pith_part *part, const pith_cut_stroke *st
         goto done;
     }
     PITH_TRY_OR(done, look(stroke, &view, drawn, err));
-    const cut_box2 box = seen_box(&view, part->origin);
+    const cut_box2 box = seen_box(&view, part->origin->positions, part->origin->vertex_count);
     PITH_TRY_OR(done, cut_curve_make(drawn, stroke->count, options->spacing, &box, &curve, err));
     PITH_TRY_OR(done, make_rbf(&curve, options, &rbf, err));
     measure_distances(part->origin, &view, &curve, f);
@@ -323,16 +323,41 @@ done:
     return status;
 }
 
+static pith_status check_given(const pith_cut_stroke *stroke, const pith_cut_stroke_options *options, pith_error *err)
+{
+    PITH_TRY(pith_params_check(&pith_cut_stroke_params, options, err));
+    if (stroke->count >= 2 && stroke->points) return PITH_OK;
+    return pith_fail(err, PITH_BAD_ARGUMENT, "the stroke has %zu points; draw at least two",
+                     stroke->points ? stroke->count : 0);
+}
+
+pith_status pith_cut_stroke_check(const pith_cut_stroke *stroke, const pith_cut_stroke_options *options,
+                                  const pith_vec3 *model, size_t count, pith_error *err)
+{
+    if (!stroke || !options)
+        return pith_fail(err, PITH_BAD_ARGUMENT, "pith_cut_stroke_check: %s is NULL", !stroke ? "stroke" : "options");
+    PITH_TRY(check_given(stroke, options, err));
+    picture view;
+    cut_curve curve = { 0 };
+    cut_point2 *drawn = pith_alloc(stroke->count, sizeof *drawn);
+    if (!drawn) return PITH_OUT_OF_MEMORY(err, "a stroke's points");
+    pith_status status = look(stroke, &view, drawn, err);
+    if (status == PITH_OK) {
+        const cut_box2 box = seen_box(&view, model, count);
+        status = cut_curve_make(drawn, stroke->count, options->spacing, model ? &box : NULL, &curve, err);
+    }
+    pith_free(drawn);
+    cut_curve_free(&curve);
+    return status;
+}
+
 pith_status pith_part_stroke_values(const pith_part *part, const pith_cut_stroke *stroke,
                                     const pith_cut_stroke_options *options, double *values, pith_error *err)
 {
     if (!part || !stroke || !options || !values)
         return pith_fail(err, PITH_BAD_ARGUMENT, "pith_part_stroke_values: %s is NULL",
                          !part ? "part" : !stroke ? "stroke" : !options ? "options" : "values");
-    PITH_TRY(pith_params_check(&pith_cut_stroke_params, options, err));
-    if (stroke->count < 2 || !stroke->points)
-        return pith_fail(err, PITH_BAD_ARGUMENT, "the stroke has %zu points; draw at least two",
-                         stroke->points ? stroke->count : 0);
+    PITH_TRY(check_given(stroke, options, err));
     const uint32_t count = part->origin->vertex_count;
     uint32_t *source = pith_alloc(part->vertex_count, sizeof *source);
     field f = { pith_alloc(count, sizeof *f.wanted), pith_alloc(count, sizeof *f.values),

@@ -158,13 +158,14 @@ static void clip_start(cut_curve *curve, const cut_box2 *box, cut_point2 *away)
 }
 
 /* Clips both ends; ends inside the box go on in the direction of their last few steps, which a trembling hand changes
-   less than the very last. */
+   less than the very last. Without a view all is inside. */
 static void clip(cut_curve *curve, const cut_box2 *view)
 {
     enum { END_STEPS = 3 };
     const double margin = 3.0 * curve->step;
-    const cut_box2 box = { { view->low.x - margin, view->low.y - margin },
-                           { view->high.x + margin, view->high.y + margin } };
+    const cut_box2 box = view ? (cut_box2){ { view->low.x - margin, view->low.y - margin },
+                                            { view->high.x + margin, view->high.y + margin } }
+                              : (cut_box2){ { -INFINITY, -INFINITY }, { INFINITY, INFINITY } };
     for (int end = 0; end < 2; ++end) {
         const uint32_t last = curve->point_count - 1, back = last < END_STEPS ? last : END_STEPS;
         curve->away[end] = unit(minus(curve->points[0], curve->points[back]));
@@ -222,7 +223,7 @@ static pith_status turn_out(cut_curve *curve, unsigned end, double far, pith_err
 /* Continues an open curve. Where the two continuations meet, they are joined: a loop that was not quite closed. */
 static pith_status continue_ends(cut_curve *curve, const cut_box2 *view, pith_error *err)
 {
-    cut_box2 box = *view;
+    cut_box2 box = view ? *view : (cut_box2){ curve->points[0], curve->points[0] };
     for (uint32_t i = 0; i < curve->point_count; ++i) {
         const cut_point2 p = curve->points[i];
         box.low = (cut_point2){ fmin(box.low.x, p.x), fmin(box.low.y, p.y) };

@@ -212,10 +212,33 @@ pith_type_fields pith_document_type_fields(uint32_t type)
     return (pith_type_fields){ needs->depth, needs->direction, needs->vectors, needs->scale };
 }
 
+/* The voxel file that stands behind "file", whose path is known: is it one, with that many channels at least? Its values
+   are not read. */
+static pith_status check_voxels(reader *in, const json_t *from, const char *path, uint32_t least)
+{
+    uint32_t size[3], channels;
+    pith_error reason;
+    const char *written = json_string_value(json_object_get(from, "file"));
+    const size_t place = reader_enter(in, "file"), length = strlen(path);
+    const pith_status status = pith_grid_probe_nrrd(path, size, &channels, &reason);
+    if (status == PITH_NO_MEMORY) return pith_fail(in->err, status, "%s", reason.message);
+    if (status != PITH_OK) {
+        const bool named = strncmp(reason.message, path, length) == 0 && reason.message[length] == ':';
+        return reader_fail(in, "is \"%.120s\", which cannot be used: %s", written,
+                           reason.message + (named ? length + 2 : 0));
+    }
+    if (channels < least)
+        return reader_fail(in, "is \"%.120s\", which has %u channel%s, expected %u or more", written, channels,
+                           channels == 1 ? "" : "s", least);
+    reader_leave(in, place);
+    return PITH_OK;
+}
+
 /* `in` stands at the exemplar's object. */
 static pith_status build_exemplar(pith_document *made, reader *in, const json_t *from, document_exemplar *to)
 {
     PITH_TRY(document_path(made, from, "file", &to->file, in->err));
+    if (to->file) return check_voxels(in, from, to->file, 3);
     const char *recipe_file;
     PITH_TRY(document_path(made, from, "recipe", &recipe_file, in->err));
     if (recipe_file) return pith_recipe_load(recipe_file, &to->recipe, in->err);
@@ -308,7 +331,8 @@ static pith_status build_solid(pith_document *made, reader *in, const json_t *fr
     if (to->kind == SOLID_LAPPED) return build_lapped(made, in, from, body, to);
     if (to->kind == SOLID_PROCEDURAL) return graph_build(made, in, from, body, &to->graph);
     json_options(from, &document_grid_params, &to->grid);
-    return document_path(made, from, "file", &to->grid_file, in->err);
+    PITH_TRY(document_path(made, from, "file", &to->grid_file, in->err));
+    return check_voxels(in, from, to->grid_file, 1);
 }
 
 static pith_status choose_solid(reader *in, const json_t *name, document_body *to)

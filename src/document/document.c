@@ -205,7 +205,8 @@ static pith_status fill_document(pith_document *made, const char *path, const ch
     PITH_TRY(build_parts(made, &in, json_object_get(root, "parts")));
     PITH_TRY(build_camera(made, &in, json_object_get(root, "camera")));
     json_options(json_object_get(root, "render"), &pith_render_params, &made->render);
-    return build_volume(made, &in, json_object_get(root, "volume"));
+    PITH_TRY(build_volume(made, &in, json_object_get(root, "volume")));
+    return strokes_check(made, &in);
 }
 
 pith_status pith_document_parse(const char *path, const char *json, size_t size, pith_document **document,

@@ -306,6 +306,10 @@ void body_clear(document_body *body);
 pith_status graph_build(pith_document *made, reader *in, const json_t *from, const document_body *body,
                         document_graph *to);
 
+/* Refuses a cut along a stroke that no model of this document can be cut along, such as one that crosses itself; made:
+   everything else of it is there. */
+pith_status strokes_check(const pith_document *made, reader *in);
+
 /* What a texture type needs, for refusals, for building and for keys. */
 typedef struct type_needs { const char *word; bool depth, direction, vectors, scale; } type_needs;
 const type_needs *type_needs_of(uint32_t type);

@@ -1,7 +1,10 @@
 /* NRRD's values: raw or gzip bytes of eight types and two byte orders to floats, and the public readers. */
 #include "nrrd_internal.h"
 
+#include <errno.h>
+#include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <zlib.h>
 
 /* ---- bytes to values ----------------------------------------------------------------------------------------- */
@@ -178,30 +181,45 @@ static pith_status skip(const char *name, const nrrd_header *header, uint64_t wa
     return PITH_OK;
 }
 
-pith_status nrrd_decode_data(const char *name, const nrrd_header *header, const unsigned char *bytes, size_t size,
-                             pith_grid **grid, pith_error *err)
+/* Bytes of the values that the header claims. */
+static pith_status check_claim(const char *name, const nrrd_header *header, uint64_t *wanted, pith_error *err)
 {
-    /* What the header claims, against what there is, before anything is allocated. */
-    const size_t width = nrrd_type_size(header->type);
-    uint64_t wanted = width;
+    *wanted = nrrd_type_size(header->type);
     const uint64_t factors[4] = { header->channels, header->size[0], header->size[1], header->size[2] };
     for (int i = 0; i < 4; ++i)
-        if (__builtin_mul_overflow(wanted, factors[i], &wanted) || wanted > NRRD_BYTES_MAX)
+        if (__builtin_mul_overflow(*wanted, factors[i], wanted) || *wanted > NRRD_BYTES_MAX)
             return pith_fail(err, PITH_BAD_FILE, "%s: NRRD claims more than 8 GiB of values", name);
     if (header->channels > 64)
         return pith_fail(err, PITH_BAD_FILE, "%s: NRRD has %u channels, at most 64 can be read", name,
                          header->channels);
-    PITH_TRY(skip(name, header, wanted, &bytes, &size, err));
+    return PITH_OK;
+}
+
+/* The claim against what there is, before anything is allocated. */
+static pith_status check_size(const char *name, const nrrd_header *header, uint64_t wanted, uint64_t size,
+                              pith_error *err)
+{
     if (!header->gzip && size < wanted)
         return pith_fail(err, PITH_BAD_FILE,
-                         "%s: NRRD header wants %llu bytes of values, but only %zu follow; is the file "
+                         "%s: NRRD header wants %llu bytes of values, but only %llu follow; is the file "
                          "cut off?",
-                         name, (unsigned long long)wanted, size);
+                         name, (unsigned long long)wanted, (unsigned long long)size);
     if (header->gzip && (double)wanted > 1032.0 * (double)size) /* deflate's greatest ratio */
         return pith_fail(err, PITH_BAD_FILE,
-                         "%s: NRRD header wants %llu bytes of values, which %zu bytes of gzip cannot "
+                         "%s: NRRD header wants %llu bytes of values, which %llu bytes of gzip cannot "
                          "hold",
-                         name, (unsigned long long)wanted, size);
+                         name, (unsigned long long)wanted, (unsigned long long)size);
+    return PITH_OK;
+}
+
+pith_status nrrd_decode_data(const char *name, const nrrd_header *header, const unsigned char *bytes, size_t size,
+                             pith_grid **grid, pith_error *err)
+{
+    uint64_t wanted;
+    const size_t width = nrrd_type_size(header->type);
+    PITH_TRY(check_claim(name, header, &wanted, err));
+    PITH_TRY(skip(name, header, wanted, &bytes, &size, err));
+    PITH_TRY(check_size(name, header, wanted, size, err));
 
     const size_t total = wanted / width;
     pith_grid *made = pith_alloc(1, sizeof *made);
@@ -226,6 +244,12 @@ pith_status nrrd_decode_data(const char *name, const nrrd_header *header, const 
 
 /* ---- public -------------------------------------------------------------------------------------------------- */
 
+static pith_status check_single(const char *name, const nrrd_header *header, pith_error *err)
+{
+    if (!strchr(header->data_file, '%') && strncmp(header->data_file, "LIST", 4) != 0) return PITH_OK;
+    return pith_fail(err, PITH_BAD_FILE, "%s: NRRD with data in several files; join them first", name);
+}
+
 /* bytes are cut into lines; a detached header is followed only when `name` is a path that its data lie beside. */
 static pith_status parse(const char *name, char *bytes, size_t size, bool normalise, bool name_is_path,
                          pith_grid **grid, pith_error *err)
@@ -237,8 +261,7 @@ static pith_status parse(const char *name, char *bytes, size_t size, bool normal
                                 grid, err);
     if (!name_is_path)
         return pith_fail(err, PITH_BAD_FILE, "%s: NRRD keeps its data in another file; read it by its path", name);
-    if (strchr(header.data_file, '%') || !strncmp(header.data_file, "LIST", 4))
-        return pith_fail(err, PITH_BAD_FILE, "%s: NRRD with data in several files; join them first", name);
+    PITH_TRY(check_single(name, &header, err));
 
     char *data_path = pith_path_join(name, header.data_file);
     if (!data_path) return PITH_OUT_OF_MEMORY(err, name);
@@ -259,6 +282,84 @@ pith_status pith_grid_read_nrrd(const char *path, bool normalise, pith_grid **gr
     const pith_status status = parse(path, (char *)bytes, size, normalise, true, grid, err);
     pith_free(bytes);
     return status;
+}
+
+/* ---- probing ------------------------------------------------------------------------------------------------- */
+
+/* The header is read in one piece: nearly all fit the first room, and none is larger than the second. */
+enum { FIRST_ROOM = 16 << 10, LAST_ROOM = 1 << 20 };
+
+/* The first bytes of a file, up to the room, and a zero behind them; pith_free them. whole: bytes of the file. */
+static pith_status read_start(const char *path, size_t room, char **start, size_t *size, uint64_t *whole,
+                              pith_error *err)
+{
+    struct stat info;
+    FILE *file = fopen(path, "rb");
+    if (!file) return pith_fail(err, PITH_IO, "%s: cannot be opened: %s", path, strerror(errno));
+    pith_status status = PITH_OK;
+    char *made = NULL;
+    if (fstat(fileno(file), &info) != 0 || !S_ISREG(info.st_mode))
+        status = pith_fail(err, PITH_IO, "%s: is not a regular file", path);
+    else if (!(made = pith_alloc(room + 1, 1)))
+        status = PITH_OUT_OF_MEMORY(err, path);
+    else {
+        *size = fread(made, 1, room, file);
+        *whole = (uint64_t)info.st_size;
+        *start = made;
+        made[*size] = 0;
+        if (ferror(file)) {
+            status = pith_fail(err, PITH_IO, "%s: cannot be read", path);
+            pith_free(made);
+        }
+    }
+    fclose(file);
+    return status;
+}
+
+/* Bytes of the file that a detached header names. */
+static pith_status data_size(const char *path, const nrrd_header *header, uint64_t *size, pith_error *err)
+{
+    struct stat info;
+    PITH_TRY(check_single(path, header, err));
+    char *data_path = pith_path_join(path, header->data_file);
+    if (!data_path) return PITH_OUT_OF_MEMORY(err, path);
+    pith_status status = PITH_OK;
+    if (stat(data_path, &info) == 0 && S_ISREG(info.st_mode)) *size = (uint64_t)info.st_size;
+    else status = pith_fail(err, PITH_IO, "%s: cannot be opened, and its NRRD header says that the values are there",
+                            data_path);
+    pith_free(data_path);
+    return status;
+}
+
+static pith_status probe(const char *path, char *start, size_t size, uint64_t whole, nrrd_header *header,
+                         pith_error *err)
+{
+    uint64_t wanted, left = whole;
+    PITH_TRY(nrrd_parse_header(path, start, size, true, header, err));
+    PITH_TRY(check_claim(path, header, &wanted, err));
+    if (header->data_file) PITH_TRY(data_size(path, header, &left, err));
+    else left -= header->data_at;
+    const uint64_t skipped = header->byte_skip > 0 ? (uint64_t)header->byte_skip : 0;
+    return check_size(path, header, wanted, left > skipped ? left - skipped : 0, err);
+}
+
+pith_status pith_grid_probe_nrrd(const char *path, uint32_t size[3], uint32_t *channels, pith_error *err)
+{
+    char *start = NULL;
+    size_t got = 0;
+    uint64_t whole = 0;
+    nrrd_header header = { 0 };
+    PITH_TRY(read_start(path, FIRST_ROOM, &start, &got, &whole, err));
+    if (whole > got && !strstr(start, "\n\n") && !strstr(start, "\n\r\n")) {
+        pith_free(start);
+        PITH_TRY(read_start(path, LAST_ROOM, &start, &got, &whole, err));
+    }
+    const pith_status status = probe(path, start, got, whole, &header, err);
+    pith_free(start);
+    if (status != PITH_OK) return status;
+    memcpy(size, header.size, sizeof header.size);
+    *channels = header.channels;
+    return PITH_OK;
 }
 
 pith_status pith_grid_parse_nrrd(const char *name, const void *bytes, size_t size, bool normalise, pith_grid **grid,

@@ -24,6 +24,7 @@ typedef struct job {
 } job;
 
 struct builder {
+    const char *path;           /* borrowed */
     outbox *out;
     bool cache;
     builder_calls calls;
@@ -196,7 +197,7 @@ static pith_status run_job(builder *own, job *at, json_t *more, pith_error *err)
     if (status != PITH_OK && status != PITH_CANCELLED && at->kind != JOB_PICTURE)
         hand_over(own, at, model, true, NULL);
     json_object_set_new(more, "times", times_json(pith_model_timing(model)));
-    json_object_set_new(more, "notes", json_string(pith_model_notes(model)));
+    json_object_set_new(more, "notes", sentence_json(pith_model_notes(model)));
     pith_model_destroy(model);
     return status;
 }
@@ -210,7 +211,8 @@ static void do_job(builder *own, job *at)
     remember_start(own, at);
     pith_status status = atomic_load(&at->cancelled) ? pith_fail(&err, PITH_CANCELLED, "cancelled")
                                                      : run_job(own, at, more, &err);
-    if (status != PITH_OK) json_object_set_new(more, "message", json_string(err.message));
+    document_plain(own->path, err.message);
+    if (status != PITH_OK) json_object_set_new(more, "message", sentence_json(err.message));
     if (at->kind != JOB_PICTURE && status != PITH_CANCELLED)
         remember(own, at, status == PITH_OK ? NULL : err.message);
     tell(own, at, status == PITH_OK ? "done" : status == PITH_CANCELLED ? "cancelled" : "failed",
@@ -370,10 +372,12 @@ builder_failure builder_last_failure(builder *own)
 
 /* ---- life -------------------------------------------------------------------------------------------------------- */
 
-pith_status builder_create(outbox *out, bool cache, const builder_calls *calls, builder **made, pith_error *err)
+pith_status builder_create(const char *path, outbox *out, bool cache, const builder_calls *calls, builder **made,
+                           pith_error *err)
 {
     builder *own = pith_alloc(1, sizeof *own);
     if (!own) return PITH_OUT_OF_MEMORY(err, "the building thread");
+    own->path = path;
     own->out = out;
     own->cache = cache;
     own->calls = *calls;

@@ -37,7 +37,9 @@ typedef struct builder_calls {
 } builder_calls;                /* from the builder's thread */
 
 typedef struct builder builder;
-pith_status builder_create(outbox *out, bool cache, const builder_calls *calls, builder **made, pith_error *err);
+/* path: of the document, for messages; borrowed. */
+pith_status builder_create(const char *path, outbox *out, bool cache, const builder_calls *calls, builder **made,
+                           pith_error *err);
 /* Cancels everything and waits for the thread to end. */
 void builder_destroy(builder *gone);
 

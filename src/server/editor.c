@@ -136,6 +136,7 @@ static void run(editor *own, request *asked, void (*admit)(void *user, uint32_t 
     pith_status status = request_check(editor_verbs, asked, &found, &err);
     if (status == PITH_OK && admit && found->run == do_hello) admit(user, asked->socket);
     if (status == PITH_OK) status = found->run(own, asked, &err);
+    document_plain(session_path(own->opened), err.message);
     if (status != PITH_OK)
         outbox_put(own->out, asked->socket,
                    request_failure(asked->id, asked->refusal ? asked->refusal : pith_status_text(status), err.message));
@@ -199,7 +200,7 @@ static pith_status start(editor *own, const char *path, pith_error *err)
     PITH_TRY(session_open(path, &own->opened, err));
     PITH_TRY(viewer_create(session_path(own->opened), own->out, something_came_up, own, &own->view, err));
     PITH_TRY(errands_create(session_path(own->opened), own->out, &own->errands, err));
-    PITH_TRY(builder_create(own->out, own->cache, &calls, &own->build, err));
+    PITH_TRY(builder_create(session_path(own->opened), own->out, own->cache, &calls, &own->build, err));
     build_document_changed(own);
     return PITH_OK;
 }
@@ -233,6 +234,7 @@ void editor_close(editor *own)
     session_close(own->opened);
     json_decref(own->schema);
     pith_free(own->state);
-    free(own->told_bodies);
+    json_decref(own->told_bodies);
+    json_decref(own->told_view);
     pith_free(own);
 }

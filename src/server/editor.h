@@ -32,7 +32,7 @@ struct editor {
     void (*wake)(void *user);   /* makes the sockets' thread call editor_woken */
     void *wake_user;
     viewer_state *state;        /* what the viewer said last; NULL: nothing yet */
-    char *told_bodies;          /* the list that pages were told last */
+    json_t *told_bodies, *told_view; /* what pages were told last */
     bool asked_to_look;         /* a question waits for a model to be built */
     uint64_t declined;          /* the build signature of what somebody cancelled: it does not start by itself again */
 };
@@ -77,8 +77,10 @@ void build_document_changed(editor *own);
 /* The viewer or the builder has news: pages are told what is known of the bodies, and what the present document calls
    for is built, where that is to happen by itself. */
 void build_look(editor *own);
-/* The list "bodies" of events, as far as is known; a new reference. */
-json_t *build_bodies(const editor *own);
+/* The keys "bodies" and "view" of events, as far as is known; a new reference. */
+json_t *build_known(const editor *own);
+/* Pages were told this event, which has these keys. */
+void build_told(editor *own, const json_t *event);
 
 /* ---- files: requests_files.c ------------------------------------------------------------------------------------- */
 

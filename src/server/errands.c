@@ -7,6 +7,7 @@
 #include "node_picture.h"
 #include "pack_internal.h"
 #include "request.h"
+#include "session.h"
 #include "worker.h"
 
 typedef struct errand {
@@ -94,6 +95,7 @@ static void run(errands *own, errand *at)
     const pith_status status = at->asked ? node_picture(own->path, at->thing, at->asked, at->id, &made, &err)
                                          : make_exemplar(own, at, &made, &err);
     if (status != PITH_OK) {
+        document_plain(own->path, err.message);
         const char *place = strstr(err.message, prefix);
         made = request_failure(at->id, pith_status_text(err.status), place ? place + strlen(prefix) : err.message);
     }

@@ -11,7 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { MOST_LISTED = 2000, DEEPEST = 5, MOST_RECIPE = 1 << 20, LONGEST_NAME = 100 };
+enum { MOST_LISTED = 2000, DEEPEST = 5, MOST_RECIPE = 1 << 20, LONGEST_NAME = 200 };
 
 /* ---- reach ------------------------------------------------------------------------------------------------------- */
 
@@ -154,28 +154,42 @@ json_t *files_list(const file_places *places, const char *kind)
 
 /* ---- new files --------------------------------------------------------------------------------------------------- */
 
-static pith_status check_name(const char *name, pith_error *err)
+/* Control characters: U+0000 to U+001F and U+007F to U+009F, the latter as UTF-8. */
+static bool has_control(const char *name, size_t length)
 {
-    static const char allowed[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789.-_";
-    const size_t length = strlen(name);
-    if (length == 0 || length > LONGEST_NAME || name[0] == '.' || strspn(name, allowed) != length)
-        return pith_fail(err, PITH_BAD_ARGUMENT,
-                         "name: is \"%.120s\", expected 1 to %d letters, digits, '.', '-' and '_', "
-                         "the first no dot",
-                         name, LONGEST_NAME);
+    for (size_t i = 0; i < length; ++i) {
+        const unsigned char c = (unsigned char)name[i], next = i + 1 < length ? (unsigned char)name[i + 1] : 0;
+        if (c < 0x20 || c == 0x7f || (c == 0xc2 && next >= 0x80 && next < 0xa0)) return true;
+    }
+    return false;
+}
+
+/* Is it good as the name of a file or a folder? Names come out of JSON: they are UTF-8. */
+static bool is_name(const char *name, size_t length)
+{
+    return length > 0 && length <= LONGEST_NAME && name[0] != '.' && !memchr(name, '/', length) &&
+           !has_control(name, length);
+}
+
+static const char expected_name[] = "expected 1 to 200 bytes without '/' and control characters, the first no dot";
+
+/* key: of the request, for messages. */
+static pith_status check_name(const char *key, const char *name, pith_error *err)
+{
+    if (!is_name(name, strlen(name)))
+        return pith_fail(err, PITH_BAD_ARGUMENT, "%s: the name is \"%.120s\", %s", key, name, expected_name);
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; ++i)
         if (has_kind(name, kinds[i].kind)) return PITH_OK;
     return pith_fail(err, PITH_BAD_ARGUMENT,
-                     "name: %s has no extension that pith reads (obj, ply, stl, off, glb, nrrd, "
-                     "nhdr, png, jpg, json, pith)",
-                     name);
+                     "%s: %s has no extension that pith reads (obj, ply, stl, off, glb, nrrd, nhdr, png, jpg, json, "
+                     "pith)", key, name);
 }
 
 /* The content first goes to a file of another name, whose link then fails where there is one already. */
 pith_status files_put(const file_places *places, const char *name, const void *bytes, size_t size, pith_error *err)
 {
     char path[PATH_MAX + LONGEST_NAME], part[PATH_MAX + LONGEST_NAME + 20];
-    PITH_TRY(check_name(name, err));
+    PITH_TRY(check_name("name", name, err));
     snprintf(path, sizeof path, "%s%s", places->folder, name);
     snprintf(part, sizeof part, "%s.put", path);
     PITH_TRY(pith_file_write(part, bytes, size, err));
@@ -187,26 +201,86 @@ pith_status files_put(const file_places *places, const char *name, const void *b
     return failed ? pith_fail(err, PITH_IO, "%s: cannot be written: %s", path, strerror(failed)) : PITH_OK;
 }
 
-pith_status files_place(const file_places *places, const char *file, bool replace, char *path, size_t capacity,
-                        pith_error *err)
+/* ---- places for documents ---------------------------------------------------------------------------------------- */
+
+static pith_status refuse_place(const char *file, pith_error *err)
 {
-    const char *slash = strrchr(file, '/'), *name = slash ? slash + 1 : file;
-    char folder[PATH_MAX], found[PATH_MAX];
-    if (!pith_path_has_extension(name, "pith"))
-        return pith_fail(err, PITH_BAD_ARGUMENT, "file: is \"%.200s\", expected a name that ends with .pith", file);
-    PITH_TRY(check_name(name, err));
-    snprintf(folder, sizeof folder, "%.*s.", (int)(name - file), file);
-    char whole[PATH_MAX + 8];
-    if (strlen(file) < PATH_MAX / 2 && follow(places, folder, found)) {
-        const int length = snprintf(whole, sizeof whole, "%s/%s", found, name);
-        if (length > 0 && (size_t)length < capacity && is_below(places->folder, strlen(places->folder) - 1, whole)) {
-            if (!replace && access(whole, F_OK) == 0)
-                return pith_fail(err, PITH_BAD_ARGUMENT, "file: there is a file %.200s already; force replaces it",
-                                 file);
-            memcpy(path, whole, (size_t)length + 1);
-            return PITH_OK;
-        }
-    }
     return pith_fail(err, PITH_BAD_ARGUMENT,
                      "file: is \"%.200s\", expected a place in the document's folder or below it", file);
+}
+
+/* How much of file[length], folders with a slash behind each, leads to a folder that there is; found: that folder. */
+static size_t follow_folders(const file_places *places, const char *file, size_t length, char found[PATH_MAX])
+{
+    char folder[PATH_MAX];
+    for (;;) {
+        snprintf(folder, sizeof folder, "%.*s.", (int)length, file);
+        if (follow(places, folder, found) || length == 0) return length;
+        for (--length; length > 0 && file[length - 1] != '/';) --length;
+    }
+}
+
+/* Are these, with a slash behind each, names of folders that can be made? */
+static bool are_new_folders(const char *names, size_t length)
+{
+    for (const char *end = names + length, *slash; names < end; names = slash + 1) {
+        slash = memchr(names, '/', (size_t)(end - names));
+        if (!is_name(names, (size_t)(slash - names))) return false;
+    }
+    return true;
+}
+
+pith_status files_place(const file_places *places, const char *file, bool replace, file_place *place, pith_error *err)
+{
+    const char *slash = strrchr(file, '/'), *name = slash ? slash + 1 : file;
+    const size_t above = (size_t)(name - file);
+    char found[PATH_MAX];
+    struct stat info;
+    if (!pith_path_has_extension(name, "pith"))
+        return pith_fail(err, PITH_BAD_ARGUMENT, "file: is \"%.200s\", expected a name that ends with .pith", file);
+    PITH_TRY(check_name("file", name, err));
+    if (above >= PATH_MAX / 2) return refuse_place(file, err);
+    const size_t there = follow_folders(places, file, above, found);
+    const int length = snprintf(place->path, sizeof place->path, "%s/%s", found, file + there);
+    if (length <= 0 || (size_t)length >= sizeof place->path || !are_new_folders(file + there, above - there) ||
+        !is_below(places->folder, strlen(places->folder) - 1, place->path))
+        return refuse_place(file, err);
+    place->missing = there < above ? strlen(found) + 1 : 0;
+    if (!place->missing) {
+        if (replace || access(place->path, F_OK) != 0) return PITH_OK;
+        return pith_fail(err, PITH_BAD_ARGUMENT, "file: there is a file %.200s already; force replaces it", file);
+    }
+    char *end = strchr(place->path + place->missing, '/');
+    *end = 0;
+    const bool is_other = lstat(place->path, &info) == 0;
+    *end = '/';
+    if (!is_other) return PITH_OK;
+    return pith_fail(err, PITH_BAD_ARGUMENT, "file: is \"%.200s\", but %.*s is no folder", file,
+                     (int)(end - place->path - (ptrdiff_t)place->missing), place->path + place->missing);
+}
+
+pith_status files_make_folders(file_place *place, pith_error *err)
+{
+    if (!place->missing) return PITH_OK;
+    for (char *slash = strchr(place->path + place->missing, '/'); slash; slash = strchr(slash + 1, '/')) {
+        *slash = 0;
+        const int failed = mkdir(place->path, 0777) == 0 ? 0 : errno;
+        if (failed) pith_fail(err, PITH_IO, "file: the folder %s cannot be made: %s", place->path, strerror(failed));
+        *slash = '/';
+        if (!failed) continue;
+        files_drop_folders(place, (size_t)(slash - place->path));
+        return PITH_IO;
+    }
+    return PITH_OK;
+}
+
+void files_drop_folders(file_place *place, size_t before)
+{
+    const size_t length = strlen(place->path);
+    for (size_t i = before < length ? before : length; place->missing && i-- > place->missing;) {
+        if (place->path[i] != '/') continue;
+        place->path[i] = 0;
+        rmdir(place->path);
+        place->path[i] = '/';
+    }
 }

@@ -24,14 +24,23 @@ pith_status files_check(const file_places *places, const json_t *value, const js
    sorted; at most 2000. A new reference. */
 json_t *files_list(const file_places *places, const char *kind);
 
-/* Writes a new file into the document's folder. PITH_BAD_ARGUMENT: a name with other characters than letters, digits,
-   '.', '-' and '_', or an extension that pith does not read; PITH_IO: there is one of that name, or it cannot be
-   written. */
+/* Writes a new file into the document's folder. PITH_BAD_ARGUMENT: a name that is empty or longer than 200 bytes, begins
+   with a dot, or has a slash or a control character in it; or an extension that pith does not read. PITH_IO: there is
+   one of that name, or it cannot be written. */
 pith_status files_put(const file_places *places, const char *name, const void *bytes, size_t size, pith_error *err);
 
-/* The absolute path of a document to be written at `file`, relative to the folder and not out of it; path [capacity].
-   PITH_BAD_ARGUMENT when it is not such a name, or there is one and it may not be replaced. */
-pith_status files_place(const file_places *places, const char *file, bool replace, char *path, size_t capacity,
-                        pith_error *err);
+/* Where a document is to be written. */
+typedef struct file_place {
+    char path[4096];            /* absolute */
+    size_t missing;             /* where in it the first folder that there is not yet begins; 0: all are there */
+} file_place;
+/* The place `file`, relative to the folder and not out of it. PITH_BAD_ARGUMENT when it is no such name, or there is one
+   and it may not be replaced. */
+pith_status files_place(const file_places *places, const char *file, bool replace, file_place *place, pith_error *err);
+/* Makes the folders that are missing: all of them, or none (PITH_IO). */
+pith_status files_make_folders(file_place *place, pith_error *err);
+/* Takes those away again that were made, whose names end before this byte of the path; those that have something in
+   them stay. */
+void files_drop_folders(file_place *place, size_t before);
 
 #endif

@@ -13,7 +13,7 @@ enum { MOST_PATCHES = 1 << 24 };
 typedef struct piece_layers {
     uint32_t *start;            /* [triangle_count + 1] */
     pith_lapped_layer *layers;
-    bool homogeneous;
+    pith_lapped_view solid;     /* whose layers they are; empty where there are none */
 } piece_layers;
 
 static pith_status layers_of(const pack_piece *piece, piece_layers *made, pith_error *err)
@@ -24,20 +24,20 @@ static pith_status layers_of(const pack_piece *piece, piece_layers *made, pith_e
     if (!piece->shell || !pith_model_built(piece->body).solid) return PITH_OK;
     PITH_TRY(pith_model_solid(piece->body, &solid, err));
     if (strcmp(pith_solid_kind(solid), "lapped") != 0) return PITH_OK;
-    pith_lapped_view view;
-    PITH_TRY(pith_lapped_look(solid, &view, err));
-    if (view.patch_count > MOST_PATCHES)
+    PITH_TRY(pith_lapped_look(solid, &made->solid, err));
+    if (made->solid.patch_count > MOST_PATCHES)
         return pith_fail(err, PITH_BAD_ARGUMENT, "the solid has %u patches, and the page can tell %d apart; a larger "
-                         "exemplar or scale makes fewer", (unsigned)view.patch_count, MOST_PATCHES);
-    made->homogeneous = view.homogeneous;
+                         "exemplar or scale makes fewer", (unsigned)made->solid.patch_count, MOST_PATCHES);
     return pith_lapped_layers(solid, piece->view.source_tet, (const double (*)[3][4])piece->weights,
                               piece->view.triangle_count, made->start, &made->layers, err);
 }
 
-/* Does a layer need its second record: s of its own, or a fade? */
-static bool needs_more(const pith_lapped_layer *layer, bool homogeneous)
+/* Does a layer need its second record: a fade, or s of its own, as everything in a homogeneous solid has it and pastes
+   in any? */
+static bool needs_more(const pith_lapped_layer *layer, const pith_lapped_view *solid)
 {
-    return homogeneous || layer->corners[0][3] < 1.0f || layer->corners[1][3] < 1.0f || layer->corners[2][3] < 1.0f;
+    return solid->homogeneous || layer->corners[0][3] < 1.0f || layer->corners[1][3] < 1.0f ||
+           layer->corners[2][3] < 1.0f || pith_lapped_patch_look(solid, layer->patch).exemplar > 0;
 }
 
 /* Greatest |r| or |t|, and greatest |s|. */
@@ -60,11 +60,11 @@ static uint32_t pair(float low, float high, float scale)
 static uint32_t fade_word(float fade) { return (uint32_t)lrintf(fminf(fmaxf(fade, 0.0f), 1.0f) * 65535.0f); }
 
 /* Writes one layer, and says how many records it took. */
-static uint32_t write_layer(const pith_lapped_layer *layer, bool homogeneous, float rt_scale, float s_scale,
-                            uint32_t (*to)[WORDS])
+static uint32_t write_layer(const pith_lapped_layer *layer, const pith_lapped_view *solid, float rt_scale,
+                            float s_scale, uint32_t (*to)[WORDS])
 {
     const float (*c)[4] = layer->corners;
-    const bool more = needs_more(layer, homogeneous);
+    const bool more = needs_more(layer, solid);
     for (int k = 0; k < 3; ++k) to[0][k] = pair(c[k][0], c[k][2], rt_scale);
     to[0][3] = layer->patch | (layer->role == PITH_LAYER_SPARE ? spare_bit : 0) |
                (layer->role == PITH_LAYER_WHOLE ? whole_bit : 0) | (more ? more_bit : 0);
@@ -85,7 +85,7 @@ static uint32_t count_records(const pack_piece *pieces, const piece_layers *all,
         for (uint32_t t = 0; pieces[p].shell && t < pieces[p].view.triangle_count; ++t) {
             start[triangle++] = records;
             for (uint32_t i = all[p].start[t]; i < all[p].start[t + 1]; ++i)
-                records += needs_more(&all[p].layers[i], all[p].homogeneous) ? 2 : 1;
+                records += needs_more(&all[p].layers[i], &all[p].solid) ? 2 : 1;
         }
     start[triangle] = records;
     return records;
@@ -102,7 +102,7 @@ static void write_all(const pack_piece *pieces, const piece_layers *all, size_t 
         for (uint32_t t = 0; t < triangles; ++t) {
             uint32_t at = start[first + t];
             for (uint32_t i = all[p].start[t]; i < all[p].start[t + 1]; ++i)
-                at += write_layer(&all[p].layers[i], all[p].homogeneous, rt_scale, s_scale, records + at);
+                at += write_layer(&all[p].layers[i], &all[p].solid, rt_scale, s_scale, records + at);
         }
         first += triangles;
     }

@@ -69,6 +69,27 @@ void packet_set_slot(packet *made, const char *format, ...)
     if (length < 0 || length >= SLOT_ROOM) made->slot[0] = 0;
 }
 
+/* Bytes of the character that begins so, by its first byte. */
+static size_t character_size(unsigned char first) { return first < 0x80 ? 1 : first < 0xe0 ? 2 : first < 0xf0 ? 3 : 4; }
+
+json_t *sentence_json(const char *sentence)
+{
+    json_t *made = json_string(sentence);
+    const size_t length = strlen(sentence);
+    char *copy = made ? NULL : pith_alloc(length + 1, 1);
+    if (!copy) return made;
+    memcpy(copy, sentence, length + 1);
+    for (size_t i = 0, size; i < length; i += size) {
+        size = character_size((unsigned char)copy[i]);
+        json_t *good = i + size <= length ? json_stringn(copy + i, size) : NULL;
+        if (!good) size = 1, copy[i] = '?';
+        json_decref(good);
+    }
+    made = json_string(copy);
+    pith_free(copy);
+    return made;
+}
+
 pith_status packet_of_json(json_t *message, packet **made, pith_error *err)
 {
     char *text = message ? json_dumps(message, JSON_COMPACT) : NULL;

@@ -24,6 +24,10 @@ bool packet_is_binary(const packet *made);
 const char *packet_slot(const packet *made);
 void packet_set_slot(packet *made, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
+/* A sentence as JSON: bytes that are no UTF-8, such as half a character at the end of a sentence that was cut off, become
+   '?'. NULL: no memory. */
+json_t *sentence_json(const char *sentence);
+
 /* A text message of this JSON, whose reference is taken also after a failure. */
 pith_status packet_of_json(json_t *message, packet **made, pith_error *err);
 

@@ -149,6 +149,7 @@ packet *request_success(json_int_t id, json_t *keys)
 packet *request_failure(json_int_t id, const char *status, const char *message)
 {
     packet *made = NULL;
-    packet_of_json(json_pack("{sI sb ss ss}", "id", id, "ok", 0, "status", status, "message", message), &made, NULL);
+    packet_of_json(json_pack("{sI sb ss so}", "id", id, "ok", 0, "status", status, "message", sentence_json(message)),
+                   &made, NULL);
     return made;
 }

@@ -11,12 +11,12 @@
    what the document says has failed. */
 static const char *reason(const held_document *held, size_t index, const builder_failure *failure, uint64_t signature)
 {
-    if (!body_has_solid(held, index)) return "it has no solid yet; give it one to fill it with";
+    if (!body_has_solid(held, index)) return "It has no solid yet; give it one to fill it with";
     if (failure->signature && failure->signature == signature && failure->body == index) return failure->message;
     return NULL;
 }
 
-json_t *build_bodies(const editor *own)
+static json_t *list_bodies(const editor *own)
 {
     const held_document *held = session_present(own->opened);
     const builder_failure failure = builder_last_failure(own->build);
@@ -28,32 +28,42 @@ json_t *build_bodies(const editor *own)
         const char *type = body_type(held, i), *why = reason(held, i, &failure, signature);
         json_t *built = json_pack("{sb sb sb sb}", "mesh", state.built.mesh, "tets", state.built.tets, "fields",
                                   state.built.fields, "solid", state.built.solid);
-        json_array_append_new(list, json_pack("{ss ss so sb ss?}", "name",
+        json_array_append_new(list, json_pack("{ss ss so sb so}", "name",
                                               pith_document_body_name(held->document, i), "type", type, "built", built,
-                                              "shown", state.shown, "why", why));
+                                              "shown", state.shown, "why", why ? sentence_json(why) : json_null()));
     }
     return list;
+}
+
+json_t *build_known(const editor *own)
+{
+    const char *why = own->state && own->state->why[0] ? own->state->why : NULL;
+    return json_pack("{so s{so}}", "bodies", list_bodies(own), "view", "why", why ? sentence_json(why) : json_null());
+}
+
+void build_told(editor *own, const json_t *event)
+{
+    json_decref(own->told_bodies);
+    json_decref(own->told_view);
+    own->told_bodies = json_deep_copy(json_object_get(event, "bodies"));
+    own->told_view = json_deep_copy(json_object_get(event, "view"));
 }
 
 /* Pages are told when something is different from what they know. */
 static void tell_bodies(editor *own)
 {
-    json_t *list = build_bodies(own);
-    char *text = json_dumps(list, JSON_COMPACT);
-    const bool news = text && (!own->told_bodies || strcmp(text, own->told_bodies) != 0);
+    json_t *event = build_known(own);
     packet *made = NULL;
-    if (news && packet_of_json(json_pack("{ss sI sO}", "event", "bodies", "revision",
-                                         (json_int_t)session_revision(own->opened), "bodies", list),
-                               &made, NULL) == PITH_OK)
-        packet_set_slot(made, "bodies");
-    if (news) outbox_put(own->out, OUTBOX_ALL, made);
-    json_decref(list);
-    if (!news) {
-        free(text);
+    if (json_equal(json_object_get(event, "bodies"), own->told_bodies) &&
+        json_equal(json_object_get(event, "view"), own->told_view)) {
+        json_decref(event);
         return;
     }
-    free(own->told_bodies);
-    own->told_bodies = text;
+    build_told(own, event);
+    json_object_set_new(event, "event", json_string("bodies"));
+    json_object_set_new(event, "revision", json_integer((json_int_t)session_revision(own->opened)));
+    if (packet_of_json(event, &made, NULL) == PITH_OK) packet_set_slot(made, "bodies");
+    outbox_put(own->out, OUTBOX_ALL, made);
 }
 
 /* ---- what a change calls for ------------------------------------------------------------------------------------- */
@@ -99,7 +109,8 @@ static void build_what_is_asked(editor *own)
     own->asked_to_look = false;
     if (own->state->shows || builder_has_done(own->build, JOB_FIELDS, signature)) return;
     if (failure.signature == signature) viewer_refuse_questions(own->view, failure.message);
-    else if (own->declined == signature) viewer_refuse_questions(own->view, "building the model was cancelled");
+    else if (own->declined == signature)
+        viewer_refuse_questions(own->view, "Building the model was cancelled; update it to look inside");
     else own->asked_to_look = builder_update(own->build, held, JOB_FIELDS, signature) != 0;
 }
 

@@ -27,7 +27,9 @@ static void describe(const editor *own, json_t *to)
     json_object_set_new(to, "saved", json_boolean(session_saved(opened)));
     json_object_set_new(to, "recovered", json_boolean(session_recovered(opened)));
     json_object_set_new(to, "automatic", json_boolean(own->automatic));
-    json_object_set_new(to, "bodies", build_bodies(own));
+    json_t *known = build_known(own);
+    json_object_update(to, known);
+    json_decref(known);
 }
 
 /* What each texture type needs of a body. */
@@ -69,6 +71,7 @@ static void tell_document(editor *own, uint32_t by)
     packet *made = NULL;
     json_t *event = json_pack("{ss sI}", "event", "document", "by", (json_int_t)by);
     describe(own, event);
+    build_told(own, event);
     if (packet_of_json(event, &made, NULL) == PITH_OK) packet_set_slot(made, "document");
     outbox_put(own->out, OUTBOX_ALL, made);
 }
@@ -106,7 +109,7 @@ pith_status do_hello(editor *own, request *asked, pith_error *err)
     json_object_set_new(to, "version", json_string(PITH_VERSION_TEXT));
     json_object_set_new(to, "path", json_string(session_path(own->opened)));
     json_object_set_new(to, "file", json_string(session_file(own->opened)));
-    json_object_set_new(to, "note", json_string(session_note(own->opened)));
+    json_object_set_new(to, "note", sentence_json(session_note(own->opened)));
     json_object_set_new(to, "socket", json_integer(asked->socket));
     json_object_set_new(to, "schema", json_incref(own->schema));
     json_object_set_new(to, "types", types());
@@ -125,14 +128,16 @@ static pith_status check_revision(const editor *own, request *asked, pith_error 
     const double given = request_number(asked, "revision", 0);
     if (given == (double)session_revision(own->opened)) return PITH_OK;
     asked->refusal = "stale";
-    return pith_fail(err, PITH_BAD_ARGUMENT, "revision: is %.0f, but the document is at %llu; another page was first",
-                     given, (unsigned long long)session_revision(own->opened));
+    return pith_fail(err, PITH_BAD_ARGUMENT, "Another page was first: the document is at revision %llu, and this was "
+                     "meant for %.0f; look at what it is now, and do it again",
+                     (unsigned long long)session_revision(own->opened), given);
 }
 
-static void changed(editor *own, request *asked)
+/* Answers what has changed the document, which was at `before`; pages are told of it when it is another. */
+static void changed(editor *own, request *asked, uint64_t before)
 {
     json_object_set_new(asked->answer, "revision", json_integer((json_int_t)session_revision(own->opened)));
-    tell_document(own, asked->socket);
+    if (session_revision(own->opened) != before) tell_document(own, asked->socket);
     build_document_changed(own);
 }
 
@@ -164,6 +169,7 @@ static pith_status check_files(void *user, const pith_document *before, const pi
 pith_status do_apply(editor *own, request *asked, pith_error *err)
 {
     PITH_TRY(check_revision(own, asked, err));
+    const uint64_t before = session_revision(own->opened);
     const json_t *wanted = json_object_get(asked->body, "operations");
     const file_places places = editor_places(own);
     PITH_TRY(files_check(&places, wanted, session_present(own->opened)->root, err));
@@ -172,31 +178,35 @@ pith_status do_apply(editor *own, request *asked, pith_error *err)
     const pith_status status = session_apply(own->opened, request_text(asked, "name", ""), operations,
                                              strlen(operations), check_files, own, err);
     free(operations);
-    if (status == PITH_OK) changed(own, asked);
+    if (status == PITH_OK) changed(own, asked, before);
     return status;
 }
 
 pith_status do_undo(editor *own, request *asked, pith_error *err)
 {
     PITH_TRY(check_revision(own, asked, err));
+    const uint64_t before = session_revision(own->opened);
     PITH_TRY(session_undo(own->opened, err));
-    changed(own, asked);
+    changed(own, asked, before);
     return PITH_OK;
 }
 
 pith_status do_redo(editor *own, request *asked, pith_error *err)
 {
     PITH_TRY(check_revision(own, asked, err));
+    const uint64_t before = session_revision(own->opened);
     PITH_TRY(session_redo(own->opened, err));
-    changed(own, asked);
+    changed(own, asked, before);
     return PITH_OK;
 }
 
 pith_status do_revert(editor *own, request *asked, pith_error *err)
 {
     PITH_TRY(check_revision(own, asked, err));
+    const uint64_t before = session_revision(own->opened);
     PITH_TRY(session_revert(own->opened, err));
-    changed(own, asked);
+    changed(own, asked, before);
+    if (session_revision(own->opened) == before) tell_document(own, asked->socket); /* it may be saved by now */
     return PITH_OK;
 }
 
@@ -205,12 +215,14 @@ pith_status do_revert(editor *own, request *asked, pith_error *err)
 /* A copy elsewhere; the session goes on with the file it came from. */
 static pith_status save_copy(editor *own, request *asked, const char *file, pith_error *err)
 {
-    char path[4096];
+    file_place place;
     const file_places places = editor_places(own);
-    PITH_TRY(files_place(&places, file, request_switch(asked, "force", false), path, sizeof path, err));
-    PITH_TRY(session_save_copy(own->opened, path, err));
-    json_object_set_new(asked->answer, "file", json_string(file));
-    return PITH_OK;
+    PITH_TRY(files_place(&places, file, request_switch(asked, "force", false), &place, err));
+    PITH_TRY(files_make_folders(&place, err));
+    const pith_status status = session_save_copy(own->opened, place.path, err);
+    if (status == PITH_OK) json_object_set_new(asked->answer, "file", json_string(file));
+    else files_drop_folders(&place, sizeof place.path);
+    return status;
 }
 
 pith_status do_save(editor *own, request *asked, pith_error *err)

@@ -56,6 +56,24 @@ pith_status document_count(pith_document *document, held_document **made, pith_e
     return status;
 }
 
+static void take_out(char *sentence, const char *words, size_t length)
+{
+    for (char *at = sentence; length > 0 && (at = strstr(at, words));) {
+        const bool begins = at == sentence || strchr(" \"'(", at[-1]); /* and is not the end of a longer path */
+        if (begins) memmove(at, at + length, strlen(at + length) + 1);
+        else at += length;
+    }
+}
+
+void document_plain(const char *path, char *sentence)
+{
+    char words[PATH_MAX + 3];
+    const char *slash = strrchr(path, '/');
+    take_out(sentence, words, (size_t)snprintf(words, sizeof words, "%s: ", path));
+    if (!slash || slash == path) return; /* every path begins with the folder "/" */
+    take_out(sentence, words, (size_t)snprintf(words, sizeof words, "%.*s", (int)(slash + 1 - path), path));
+}
+
 /* ---- the session ------------------------------------------------------------------------------------------------- */
 
 typedef struct step {
@@ -219,6 +237,23 @@ static pith_status add_step(session *own, const char *name, held_document *held,
     return PITH_OK;
 }
 
+/* Takes the document over, also after a failure. One that says the same is no step; but it takes the place of the one
+   there is, because the recipes it names may say something else by now. */
+static pith_status take_change(session *own, const char *name, held_document *held, pith_error *err)
+{
+    if (strcmp(held->text, own->present->text) != 0) return add_step(own, name, held, err);
+    const pith_status status = keep_unsaved(own, held->text, err);
+    if (status != PITH_OK) {
+        document_release(held);
+        return status;
+    }
+    document_release(own->steps[own->at].held);
+    own->steps[own->at].held = document_hold(held);
+    document_release(own->present);
+    own->present = held;
+    return PITH_OK;
+}
+
 pith_status session_apply(session *opened, const char *name, const char *operations, size_t size, session_check *check,
                           void *user, pith_error *err)
 {
@@ -232,7 +267,7 @@ pith_status session_apply(session *opened, const char *name, const char *operati
         return status;
     }
     PITH_TRY(document_count(edited, &held, err));
-    return add_step(opened, name, held, err);
+    return take_change(opened, name, held, err);
 }
 
 /* Makes another step the present one. */
@@ -251,13 +286,15 @@ static pith_status go_to(session *own, size_t index, pith_error *err)
 
 pith_status session_undo(session *opened, pith_error *err)
 {
-    if (opened->at == 0) return pith_fail(err, PITH_BAD_ARGUMENT, "there is nothing to undo");
+    if (opened->at == 0)
+        return pith_fail(err, PITH_BAD_ARGUMENT, "There is nothing to undo: this is the first step there is");
     return go_to(opened, opened->at - 1, err);
 }
 
 pith_status session_redo(session *opened, pith_error *err)
 {
-    if (opened->at + 1 >= opened->count) return pith_fail(err, PITH_BAD_ARGUMENT, "there is nothing to do again");
+    if (opened->at + 1 >= opened->count)
+        return pith_fail(err, PITH_BAD_ARGUMENT, "There is nothing to do again: this is the last step there is");
     return go_to(opened, opened->at + 1, err);
 }
 
@@ -292,7 +329,7 @@ pith_status session_revert(session *opened, pith_error *err)
 {
     held_document *held = NULL;
     PITH_TRY(read_disk(opened, &held, err));
-    return add_step(opened, "Revert to the file", held, err);
+    return take_change(opened, "Revert to the file", held, err);
 }
 
 bool session_disk_is_known(const session *opened)

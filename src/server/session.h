@@ -21,6 +21,10 @@ void document_release(held_document *shared);
 /* Takes the document over, also after a failure. */
 pith_status document_count(pith_document *document, held_document **made, pith_error *err);
 
+/* Takes out of a sentence what pages know anyhow: the path of their document, and its folder before names of other
+   files. The sentence gets no longer. */
+void document_plain(const char *path, char *sentence);
+
 typedef struct session session;
 
 /* Opens the document at this path. When unsaved changes lie beside it, they become the second step. PITH_IO when
@@ -47,7 +51,8 @@ const char *session_undo_name(const session *opened, size_t i);
 const char *session_redo_name(const session *opened, size_t i);
 
 /* Every change below first writes the unsaved file; when that fails nothing has changed. `check` may refuse what would
-   come out; NULL: nothing does. */
+   come out; NULL: nothing does. What says the same as before is no step: the revision stays, and what was undone can
+   still be done again. */
 typedef pith_status session_check(void *user, const pith_document *before, const pith_document *after, pith_error *err);
 pith_status session_apply(session *opened, const char *name, const char *operations, size_t size, session_check *check,
                           void *user, pith_error *err);

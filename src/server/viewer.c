@@ -59,10 +59,11 @@ void viewer_tell_state(viewer *own, viewer_state *state)
     own->told(own->user);
 }
 
-void viewer_complain(viewer *own, const pith_error *err)
+void viewer_complain(viewer *own, pith_error *err)
 {
     packet *made = NULL;
-    packet_of_json(json_pack("{ss ss}", "event", "note", "message", err->message), &made, NULL);
+    document_plain(own->path, err->message);
+    packet_of_json(json_pack("{ss so}", "event", "note", "message", sentence_json(err->message)), &made, NULL);
     outbox_put(own->out, OUTBOX_ALL, made);
 }
 
@@ -98,13 +99,16 @@ static question *take_question(viewer *own)
 static void obey(viewer *own, viewer_orders *orders)
 {
     pith_error err = { PITH_OK, "" };
-    if (orders->held && viewer_take_document(own, orders->held, orders->revision, &err) != PITH_OK)
-        viewer_complain(own, &err);
+    if (orders->held) {
+        const bool taken = viewer_take_document(own, orders->held, orders->revision, &err) == PITH_OK;
+        own->document_fault = taken ? (pith_error){ PITH_OK, "" } : err;
+    }
     for (size_t i = 0; i < orders->arrived_count; ++i) {
         viewer_take_model(own, orders->arrived[i]);
         orders->arrived[i] = NULL;
     }
     if ((orders->held || orders->arrived_count) && own->present) viewer_refresh(own);
+    else if (orders->held) viewer_tell(own);
     for (size_t i = 0; i < orders->hello_count; ++i) viewer_send_all(own, orders->hellos[i]);
 }
 

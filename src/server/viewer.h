@@ -18,6 +18,7 @@ enum { MOST_BODY_STATES = 1000 };
 typedef struct viewer_state {
     uint64_t revision;          /* of the document that this says something about; 0: none yet */
     bool shows;                 /* is there a model to look at? */
+    char why[600];              /* why what is shown is not what the document says, a sentence; "": it is */
     size_t count;
     body_state bodies[];        /* [count] */
 } viewer_state;

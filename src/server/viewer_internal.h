@@ -54,6 +54,8 @@ struct viewer {
     built_model *cut;           /* the same, cut as the present document says; NULL: base is cut so */
     uint64_t view_signature;    /* how what is shown is cut */
     bool view_changed;          /* what is shown is not what was sent last */
+    pith_error document_fault, view_fault; /* why the present document was not taken, or could not be shown; else
+                                              PITH_OK */
     built_model **gone;         /* to be destroyed after the next refresh: until then no address is used again */
     size_t gone_count, gone_capacity;
     sent_body *sent;            /* [sent_count] */
@@ -66,13 +68,15 @@ struct viewer {
 
 /* viewer.c */
 void viewer_tell_state(viewer *own, viewer_state *state);               /* takes it over */
-void viewer_complain(viewer *own, const pith_error *err);               /* an event for all pages */
+void viewer_complain(viewer *own, pith_error *err);                     /* an event for all pages */
 
 /* viewer_models.c */
 pith_status viewer_take_document(viewer *own, held_document *held, uint64_t revision, pith_error *err);
 void viewer_take_model(viewer *own, built_model *made);                 /* takes it over */
 /* Sends what has changed since the last time, and tells the state. There is a present document. */
 void viewer_refresh(viewer *own);
+/* Tells the state alone. */
+void viewer_tell(viewer *own);
 void viewer_send_all(viewer *own, uint32_t socket);
 void viewer_clear_models(viewer *own);
 /* The model that is shown, cut as the present document says; NULL as long as there is none. */

@@ -1,4 +1,5 @@
 /* Which models are shown, and what of them is sent. */
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -178,15 +179,19 @@ static pith_status refresh_solid(viewer *own, pith_model *body, size_t index, co
     return PITH_OK;
 }
 
-static pith_status refresh_view(viewer *own, pith_error *err)
+static void refresh_view(viewer *own)
 {
-    if (!own->base || !own->view_changed) return PITH_OK;
+    if (!own->base || !own->view_changed) return;
     own->view_changed = false; /* also after a failure: the same cut would fail the same way */
     const pack_stamp mark = stamp(own);
     packet *made = NULL;
-    PITH_TRY(pack_view(viewer_shown(own)->model, &mark, &made, err));
+    pith_error err;
+    if (pack_view(viewer_shown(own)->model, &mark, &made, &err) != PITH_OK) {
+        own->view_fault = err;
+        return;
+    }
+    own->view_fault = (pith_error){ PITH_OK, "" };
     send(own, made, &own->view_packet, "view", 0);
-    return PITH_OK;
 }
 
 /* ---- refreshing -------------------------------------------------------------------------------------------------- */
@@ -208,12 +213,18 @@ static bool size_sent(viewer *own)
     return true;
 }
 
-static void tell_state(viewer *own)
+/* fault: of meshes and solids; theirs is told after those that concern all there is to see. */
+static void tell_state(viewer *own, const pith_error *fault)
 {
     const size_t count = own->sent_count;
+    const pith_error *told = own->document_fault.status != PITH_OK ? &own->document_fault
+                             : own->view_fault.status != PITH_OK   ? &own->view_fault
+                                                                   : fault;
     viewer_state *state = pith_alloc(1, sizeof *state + count * sizeof *state->bodies);
     if (!state) return;
     *state = (viewer_state){ .revision = own->revision, .shows = own->base != NULL, .count = count };
+    if (told->status != PITH_OK) snprintf(state->why, sizeof state->why, "%s", told->message);
+    document_plain(own->path, state->why);
     for (size_t i = 0; i < count; ++i) {
         pith_model *body = NULL, *shown = shown_body(own, pith_document_body_name(own->present->held->document, i));
         const pith_solid *meant = NULL, *seen = NULL;
@@ -226,20 +237,22 @@ static void tell_state(viewer *own)
     viewer_tell_state(own, state);
 }
 
+void viewer_tell(viewer *own) { tell_state(own, &(pith_error){ PITH_OK, "" }); }
+
 void viewer_refresh(viewer *own)
 {
-    pith_error err = { PITH_OK, "" };
+    pith_error err, fault = { PITH_OK, "" };
     if (!size_sent(own)) return;
     cut_anew(own);
     for (size_t i = 0; i < own->sent_count; ++i) {
         const char *name = pith_document_body_name(own->present->held->document, i);
         pith_model *body = NULL, *shown = shown_body(own, name);
         if (pith_model_body(own->present->model, i, &body, NULL) != PITH_OK) continue;
-        if (refresh_mesh(own, body, i, name, &err) != PITH_OK) viewer_complain(own, &err);
-        if (shown && refresh_solid(own, shown, i, name, &err) != PITH_OK) viewer_complain(own, &err);
+        if (refresh_mesh(own, body, i, name, &err) != PITH_OK) fault = err;
+        if (shown && refresh_solid(own, shown, i, name, &err) != PITH_OK) fault = err;
     }
-    if (refresh_view(own, &err) != PITH_OK) viewer_complain(own, &err);
-    tell_state(own);
+    refresh_view(own);
+    tell_state(own, &fault);
     for (size_t i = 0; i < own->gone_count; ++i) built_model_destroy(own->gone[i]);
     own->gone_count = 0;
 }

@@ -57,7 +57,7 @@ static pith_status put_question(viewer *own, const question *from, pith_error *e
             continue;
         }
         *at = here->next;
-        refuse(own, here, "superseded", "a newer request took its place");
+        refuse(own, here, "superseded", "A newer request took its place");
         question_destroy(here);
     }
     *at = made;
@@ -366,7 +366,10 @@ void viewer_answer(viewer *own, const question *at)
     pith_error err = { PITH_OK, "" };
     packet *made = NULL;
     if (answer(own, at, &made, &err) == PITH_OK) outbox_put(own->out, at->socket, made);
-    else refuse(own, at, pith_status_text(err.status), err.message);
+    else {
+        document_plain(own->path, err.message);
+        refuse(own, at, pith_status_text(err.status), err.message);
+    }
 }
 
 void viewer_refuse_questions(viewer *own, const char *message)

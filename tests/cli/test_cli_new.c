@@ -139,11 +139,26 @@ static void test_templates_and_refusals(void **state)
     json_decref(root);
 }
 
+/* A surface without an inside is told to be open, before anybody asks where its axis runs. */
+static void test_open_surfaces_are_told_to_be_open(void **state)
+{
+    (void)state;
+    CHECK_RUN(0, "printf 'v 0 0 0\\nv 1 0 0\\nv 0 1 0\\nf 1 2 3\\n' > tri.obj");
+    for (int i = 0; i < 2; ++i) {
+        CHECK_RUN(1, i ? "mkdir -p page && touch page/index.html && build/pith edit tri.obj --no-open --page page"
+                       : "build/pith new tri.obj tri.pith");
+        CHECK_SAYS(run_err, "tri.obj: the mesh is not closed");
+        CHECK_SAYS(run_err, "3 boundary edges in 1 loop");
+    }
+    CHECK_RUN(1, "test -e tri.pith");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_every_type_fills_at_once), cmocka_unit_test(test_every_component_has_a_core),
         cmocka_unit_test(test_meshes_are_named_relatively), cmocka_unit_test(test_templates_and_refusals),
+        cmocka_unit_test(test_open_surfaces_are_told_to_be_open),
     };
     return cmocka_run_group_tests(tests, run_set_up, run_tear_down);
 }

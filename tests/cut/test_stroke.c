@@ -349,6 +349,48 @@ static void test_flourishes_outside_do_not_matter(void **state)
     pith_part_destroy(part);
 }
 
+/* A stroke is told good or bad before there is anything to cut: alone, and against an outline. */
+static void test_strokes_are_checked_without_a_part(void **state)
+{
+    (void)state;
+    pith_error err;
+    const pith_cut_stroke_options standard = pith_cut_stroke_options_default();
+    const pith_vec3 small[2] = { { -1, -1, 0 }, { 1, 1, 0 } }, large[2] = { { -4, -4, 0 }, { 4, 4, 0 } };
+    drawing *line = calloc(1, sizeof *line), *curl = calloc(1, sizeof *curl), *spiral = calloc(1, sizeof *spiral);
+    assert_true(line && curl && spiral);
+    for (int i = 0; i <= 100; ++i) draw(line, -3 + 0.06 * i, 0.2 * sin(0.06 * i));
+    draw(curl, -3, 0);
+    for (int i = 0; i <= 40; ++i) draw(curl, -2 + 0.4 * sin(i * M_PI / 20), 0.4 - 0.4 * cos(i * M_PI / 20) + 0.002 * i);
+    draw(curl, 3, 0);
+    for (int i = 0; i <= 300; ++i) {
+        const double turn = i * M_PI / 60, radius = 0.8 - 0.7 * i / 300;
+        draw(spiral, radius * cos(turn), radius * sin(turn));
+    }
+    const pith_cut_stroke good = { front, line->points, line->count }, loop = { front, curl->points, curl->count };
+    const pith_cut_stroke shut = { front, spiral->points, spiral->count };
+    CHECK_OK(pith_cut_stroke_check(&good, &standard, NULL, 0, &err));
+    CHECK_OK(pith_cut_stroke_check(&good, &standard, small, 2, &err));
+    CHECK_OK(pith_cut_stroke_check(&loop, &standard, small, 2, &err));
+    CHECK_FAILS(pith_cut_stroke_check(&loop, &standard, large, 2, &err), PITH_BAD_ARGUMENT, "crosses or touches itself");
+    CHECK_FAILS(pith_cut_stroke_check(&loop, &standard, NULL, 0, &err), PITH_BAD_ARGUMENT, "crosses or touches itself");
+    CHECK_FAILS(pith_cut_stroke_check(&shut, &standard, NULL, 0, &err), PITH_BAD_ARGUMENT, "end is closed in");
+    CHECK_FAILS(pith_cut_stroke_check(&shut, &standard, small, 2, &err), PITH_BAD_ARGUMENT, "end is closed in");
+    const pith_cut_stroke single = { front, line->points, 1 };
+    CHECK_FAILS(pith_cut_stroke_check(&single, &standard, NULL, 0, &err), PITH_BAD_ARGUMENT, "at least two");
+    CHECK_FAILS(pith_cut_stroke_check(NULL, &standard, NULL, 0, &err), PITH_BAD_ARGUMENT, "stroke is NULL");
+    CHECK_FAILS(pith_cut_stroke_check(&good, NULL, NULL, 0, &err), PITH_BAD_ARGUMENT, "options is NULL");
+    for (size_t n = 0;; ++n) {
+        pith_memory_fail_after(n);
+        const pith_status status = pith_cut_stroke_check(&good, &standard, small, 2, &err);
+        pith_memory_fail_after(SIZE_MAX);
+        if (status == PITH_OK) break;
+        assert_int_equal(status, PITH_NO_MEMORY);
+    }
+    free(line);
+    free(curl);
+    free(spiral);
+}
+
 /* ---- cutting again ----------------------------------------------------------------------------------------------- */
 
 static void test_the_same_stroke_again_changes_nothing(void **state)
@@ -564,6 +606,7 @@ int main(void)
         cmocka_unit_test(test_loops_closed_and_nearly_closed),
         cmocka_unit_test(test_a_hook),
         cmocka_unit_test(test_flourishes_outside_do_not_matter),
+        cmocka_unit_test(test_strokes_are_checked_without_a_part),
         cmocka_unit_test(test_the_same_stroke_again_changes_nothing),
         cmocka_unit_test(test_scenes_may_lie_anywhere_and_threads_do_not_matter),
         cmocka_unit_test(test_refusals),

@@ -412,9 +412,9 @@ static const effect effects[] = {
       "[ " ROCK ", \"type\": \"1-A\" }, " CRUMB ", \"type\": \"1-A\" } ]" },
     { FULL, "{\"op\": \"cut.plane\", " PLANE("0") ", \"keep\": \"negative\"}", "cuts",
       "[ { " PLANE("0") ", \"keep\": \"negative\" } ]" },
-    { FULL, "{\"op\": \"cut.stroke\", \"stroke\": { \"eye\": [0, 0, 9], \"points\": " LINE ", \"smoothing\": 2 },"
+    { FULL, "{\"op\": \"cut.stroke\", \"stroke\": { \"eye\": [0, -9, 0], \"points\": " LINE ", \"smoothing\": 2 },"
             " \"gap\": 0.5}", "cuts",
-      "[ { \"stroke\": { \"eye\": [0, 0, 9], \"points\": " LINE ", \"smoothing\": 2 }, \"gap\": 0.5 } ]" },
+      "[ { \"stroke\": { \"eye\": [0, -9, 0], \"points\": " LINE ", \"smoothing\": 2 }, \"gap\": 0.5 } ]" },
     { FULL, "[{\"op\": \"cut.plane\", " PLANE("1") "}, {\"op\": \"cut.plane\", " PLANE("2") "},"
             " {\"op\": \"cut.plane\", " PLANE("3") "}, {\"op\": \"cut.remove\"},"
             " {\"op\": \"cut.remove\", \"index\": 0}]",
@@ -680,7 +680,10 @@ static void test_voxel_grids_have_no_pastes(void **state)
     (void)state;
     static const char text[] = "{ \"pith\": 1, " SLAB ", \"solids\": [ " GRID_SOLID " ] }";
     pith_document *d = NULL;
-    CHECK_OK(pith_file_write(in_folder("g.nrrd"), "", 0, &err)); /* only has to be there */
+    pith_grid *grid = NULL;
+    CHECK_OK(pith_grid_create((const uint32_t[3]){ 2, 2, 2 }, 1, &grid, &err));
+    CHECK_OK(pith_grid_write_nrrd(grid, in_folder("g.nrrd"), PITH_NRRD_FLOAT, false, &err));
+    pith_grid_destroy(grid);
     CHECK_OK(pith_document_parse(in_folder("g.pith"), text, strlen(text), &d, &err));
     assert_true(refused(d, ADD_PASTE, "operation: solid: \"grid\" is of kind \"grid\", and this is about lapped"));
     assert_true(refused(d, "{\"op\": \"solid.type\", \"type\": \"1-A\"}", "operation: name: \"grid\" is of kind"));

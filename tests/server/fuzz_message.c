@@ -96,9 +96,10 @@ static json_t *value(choices *from, int depth)
     static const char *const texts[] = {
         "",          "all",         "flesh",     "positive", "1-B",  "title",  "solids[0]", "cuts", "render.samples",
         "../x.json", "/etc/passwd", "kiwi.pith", "depth",    "both", "fields", "solid",     "body", "layer",
-        "mesh",      "volume"
+        "mesh",      "volume",      "new/x.pith", "../x.pith", "new/../../x.pith", "ein Baum \xc3\xbc.pith",
+        "kiwi.pith/x.pith", "a\tb.pith", "n\xc3\xa4""chst/er/x.pith", "solids[0].exemplar"
     };
-    switch (choose(from, depth > 0 ? 9 : 5)) {
+    switch (choose(from, depth > 0 ? 11 : 5)) {
     case 0: return json_integer((int)choose(from, 20) - 2);
     case 1: return json_real((choose(from, 100) - 20.0) / 25.0);
     case 2: return json_string(texts[choose(from, sizeof texts / sizeof *texts)]);
@@ -109,6 +110,13 @@ static json_t *value(choices *from, int depth)
         return json_pack("{s[fff] s[fff]}", "point", choose(from, 9) / 9.0, 0.0, 0.0, "normal", choose(from, 3) - 1.0,
                          1.0, 0.0);
     case 7: return json_pack("{s[fff] s[fff]}", "origin", 5.0, 0.1, 0.0, "direction", choose(from, 3) - 2.0, 0.0, 0.0);
+    case 8: return json_pack("{ss}", choose(from, 2) ? "file" : "recipe", texts[choose(from, sizeof texts / sizeof *texts)]);
+    case 9: {
+        json_t *points = json_array();
+        for (unsigned i = 2 + choose(from, 8); i > 0; --i)
+            json_array_append_new(points, json_pack("[fff]", choose(from, 33) / 8.0 - 2, choose(from, 33) / 8.0 - 2, 0.0));
+        return json_pack("{s[fff] so}", "eye", 0.0, 0.0, 9.0, "points", points);
+    }
     default: {
         json_t *list = json_array();
         for (unsigned i = choose(from, 4); i > 0; --i) json_array_append_new(list, value(from, depth - 1));

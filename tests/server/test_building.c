@@ -221,6 +221,64 @@ static void test_what_cannot_be_built_says_why_and_is_not_tried_again(void **sta
     desk_close(at);
 }
 
+/* An octahedron. */
+static void write_octahedron(const char *name, double radius)
+{
+    char text[1000];
+    const double r = radius;
+    snprintf(text, sizeof text, "v %g 0 0\nv %g 0 0\nv 0 %g 0\nv 0 %g 0\nv 0 0 %g\nv 0 0 %g\n"
+             "f 1 3 5\nf 3 2 5\nf 2 4 5\nf 4 1 5\nf 3 1 6\nf 2 3 6\nf 4 2 6\nf 1 4 6\n", r, -r, r, -r, r, -r);
+    write_text(name, text);
+}
+
+/* The newest event of that name that says why there is no view of the present document, or that there is one. */
+static const json_t *wait_for_why(desk *at, size_t from, const char *event, bool any)
+{
+    for (;; ++from) {
+        from = desk_wait(at, from, "event", event, NULL);
+        const json_t *why = json_object_get(json_object_get(at->heard[from].text, "view"), "why");
+        assert_non_null(why);
+        if (json_is_null(why) != any) return why;
+    }
+}
+
+/* A mesh that grows on the disk after the document was read: what was beside it then is now inside of it. */
+static void test_why_the_view_is_not_that_of_the_document(void **state)
+{
+    (void)state;
+    write_octahedron("body.obj", 1);
+    write_text("kiwi.pith", "{\"pith\": 1, \"shape\": {\"mesh\": \"body.obj\", \"tets\": {\"tetrahedra\": 200}}, \"cuts\": "
+               "[{\"stroke\": {\"eye\": [0, 0, 50], \"points\": [[-4, 0, 0], [4, 0, 0], [4, 1, 0], [3, 1, 0], "
+               "[3, -1, 0]]}}]}");
+    desk *at = desk_open(false, false);
+    write_octahedron("body.obj", 8);
+    ASK(at, "\"do\": \"hello\"");
+    ASK(at, "\"do\": \"update\", \"what\": \"fields\"");
+    const json_t *why = wait_for_why(at, 0, "bodies", true);
+    const char *words = json_string_value(why);
+    if (strncmp(words, "cuts[0].stroke: the stroke crosses", 34) != 0) {
+        print_error("the view's reason is \"%s\"\n", words);
+        fail();
+    }
+    assert_int_equal(count_of(at, 0, "kind", "view"), 0);
+
+    /* A page that comes later is told too, and so is one that changes something else. */
+    const json_t *hello = ASK(at, "\"do\": \"hello\"");
+    assert_string_equal(text_of(json_object_get(hello, "view"), "why"), words);
+    size_t from = at->count;
+    write_octahedron("body.obj", 1); /* else the document would be refused */
+    apply(at, "{\"op\": \"set\", \"path\": \"title\", \"value\": \"K\"}");
+    wait_for_why(at, from, "document", true);
+
+    from = at->count;
+    apply(at, "{\"op\": \"cut.remove\"}");
+    wait_for_why(at, from, "bodies", false);
+    desk_wait(at, from, "kind", "view", NULL);
+    hello = ASK(at, "\"do\": \"hello\"");
+    assert_true(json_is_null(json_object_get(json_object_get(hello, "view"), "why")));
+    desk_close(at);
+}
+
 /* ---- questions --------------------------------------------------------------------------------------------------- */
 
 static void test_questions_wait_for_a_model(void **state)
@@ -436,6 +494,7 @@ int main(void)
         TEST(test_a_cancelled_update_does_not_come_back),
         TEST(test_an_update_is_asked_for_once),
         TEST(test_what_cannot_be_built_says_why_and_is_not_tried_again),
+        TEST(test_why_the_view_is_not_that_of_the_document),
         TEST(test_questions_wait_for_a_model),
         TEST(test_sections_and_lines_on_what_is_seen),
         TEST(test_newer_questions_supersede),

@@ -113,17 +113,41 @@ static void test_a_change_is_answered_and_told_to_all(void **state)
     assert_true(json_is_false(json_object_get(event, "saved")));
     assert_string_equal(json_string_value(json_array_get(json_object_get(event, "undo"), 0)), "Rename");
 
-    REFUSED(at, "stale", "another page was first", "\"do\": \"undo\", \"revision\": %lld", before);
-    REFUSED(at, "stale", "another page was first",
+    REFUSED(at, "stale", "Another page was first", "\"do\": \"undo\", \"revision\": %lld", before);
+    REFUSED(at, "stale", "Another page was first",
             "\"do\": \"apply\", \"revision\": %lld, \"name\": \"x\", \"operations\": []", before);
     REFUSED(at, "bad document", "did you mean \"depth.fill\"",
             "\"do\": \"apply\", \"revision\": %lld, \"name\": \"x\", \"operations\": [{\"op\": \"depth.fil\"}]",
             desk_revision(at));
     ASK(at, "\"do\": \"undo\", \"revision\": %lld", desk_revision(at));
     assert_false(is_there("kiwi.pith.unsaved"));
-    REFUSED(at, "bad argument", "nothing to undo", "\"do\": \"undo\", \"revision\": %lld", desk_revision(at));
+    REFUSED(at, "bad argument", "There is nothing to undo", "\"do\": \"undo\", \"revision\": %lld", desk_revision(at));
     ASK(at, "\"do\": \"redo\", \"revision\": %lld", desk_revision(at));
-    REFUSED(at, "bad argument", "nothing to do again", "\"do\": \"redo\", \"revision\": %lld", desk_revision(at));
+    REFUSED(at, "bad argument", "There is nothing to do again", "\"do\": \"redo\", \"revision\": %lld", desk_revision(at));
+    desk_close(at);
+}
+
+/* Nor does it take away what can be done again; and pages are told of nothing. */
+static void test_what_changes_nothing_is_no_step(void **state)
+{
+    (void)state;
+    desk *at = desk_open(false, false);
+#define SET_TITLE                                                                                                      \
+    "\"do\": \"apply\", \"revision\": %lld, \"name\": \"x\", \"operations\": "                                         \
+    "[{\"op\": \"set\", \"path\": \"title\", \"value\": \"%s\"}]"
+    ASK(at, SET_TITLE, desk_revision(at), "one");
+    ASK(at, SET_TITLE, desk_revision(at), "two");
+    ASK(at, "\"do\": \"undo\", \"revision\": %lld", desk_revision(at));
+    const long long before = desk_revision(at);
+    const size_t from = at->count;
+    assert_int_equal(whole_of(ASK(at, SET_TITLE, before, "one"), "revision"), before);
+    assert_int_equal(whole_of(ASK(at, "\"do\": \"apply\", \"revision\": %lld, \"name\": \"x\", \"operations\": []", before),
+                              "revision"), before);
+    for (size_t i = from; i < at->count; ++i) assert_string_not_equal(text_of(at->heard[i].text, "event"), "document");
+    const json_t *hello = ASK(at, "\"do\": \"hello\"");
+    assert_int_equal(json_array_size(json_object_get(hello, "undo")), 1);
+    assert_int_equal(json_array_size(json_object_get(hello, "redo")), 1);
+    ASK(at, "\"do\": \"redo\", \"revision\": %lld", desk_revision(at));
     desk_close(at);
 }
 
@@ -156,12 +180,67 @@ static void test_copies_stay_in_the_folder(void **state)
     assert_true(is_there("copy.pith"));
     REFUSED(at, "bad argument", "force replaces it", "\"do\": \"save\", \"file\": \"copy.pith\"");
     ASK(at, "\"do\": \"save\", \"file\": \"copy.pith\", \"force\": true");
-    static const char *const wrong[] = { "../copy.pith", "/tmp/copy.pith", "below/copy.pith", "copy.txt", ".copy.pith",
-                                         "a b.pith", "x/../../copy.pith", "", "kiwi.pith/../copy.pith" };
+    char longest[300], too_long[300]; /* 200 bytes, and 201 */
+    snprintf(longest, sizeof longest, "%0195d.pith", 0);
+    snprintf(too_long, sizeof too_long, "%0196d.pith", 0);
+    const char *const wrong[] = {
+        "../copy.pith", "/tmp/copy.pith", "copy.txt", ".copy.pith", "x/../../copy.pith", "", "kiwi.pith/../copy.pith",
+        "below/../../copy.pith", ".below/copy.pith", "below//copy.pith", "below/./copy.pith", "/below/copy.pith", "a\\nb.pith",
+        "a\\u007fb.pith", "a\\u0085b.pith", "be\\tlow/copy.pith", "kiwi.pith/copy.pith", "kiwi.pith/x/copy.pith", too_long,
+    };
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i)
-        REFUSED(at, "bad argument", ": is", "\"do\": \"save\", \"file\": \"%s\"", wrong[i]);
+        REFUSED(at, "bad argument", "file: ", "\"do\": \"save\", \"file\": \"%s\"", wrong[i]);
+    assert_false(is_there("below"));
+    REFUSED(at, "bad argument", "kiwi.pith is no folder", "\"do\": \"save\", \"file\": \"kiwi.pith/copy.pith\"");
     assert_int_equal(symlink("/tmp", in_folder("away")), 0);
     REFUSED(at, "bad argument", "expected a place", "\"do\": \"save\", \"file\": \"away/pith-escaped.pith\"");
+    REFUSED(at, "bad argument", "expected a place", "\"do\": \"save\", \"file\": \"away/pith-new/escaped.pith\"");
+    assert_int_equal(symlink("/tmp/pith-nowhere", in_folder("nowhere")), 0);
+    REFUSED(at, "bad argument", "nowhere is no folder", "\"do\": \"save\", \"file\": \"nowhere/x.pith\"");
+    assert_int_not_equal(access("/tmp/pith-nowhere", F_OK), 0);
+
+    static const char *const good[] = { "my tree ü.pith", "木 \\\" '.pith", "-.pith" };
+    static const char *const names[] = { "my tree ü.pith", "木 \" '.pith", "-.pith" };
+    for (size_t i = 0; i < sizeof good / sizeof *good; ++i) {
+        assert_string_equal(text_of(ASK(at, "\"do\": \"save\", \"file\": \"%s\"", good[i]), "file"), names[i]);
+        assert_true(is_there(names[i]));
+    }
+    ASK(at, "\"do\": \"save\", \"file\": \"%s\"", longest);
+    desk_close(at);
+}
+
+/* Folders that are not there are made, and go again when nothing comes of it. */
+static void test_copies_make_their_folders(void **state)
+{
+    (void)state;
+    desk *at = desk_open(false, false);
+    ASK(at, "\"do\": \"save\", \"file\": \"below/dëep er/copy.pith\"");
+    assert_true(is_there("below/dëep er/copy.pith"));
+    ASK(at, "\"do\": \"save\", \"file\": \"below/copy.pith\"");
+    desk_close(at);
+
+    /* The document would not be one there: it names a file beside itself. */
+    write_text("own.json", SAMPLE_RECIPE);
+    write_text("kiwi.pith", "{\"pith\": 1, " SAMPLE_FIELDS ", \"solids\": [{\"name\": \"flesh\", \"kind\": \"lapped\", "
+                            "\"type\": \"1-B\", \"exemplar\": {\"recipe\": \"own.json\"}}]}");
+    at = desk_open(false, false);
+    REFUSED(at, "bad document", "own.json", "\"do\": \"save\", \"file\": \"below/more/and more/copy.pith\"");
+    assert_false(is_there("below/more"));
+    assert_true(is_there("below/copy.pith"));
+    REFUSED(at, "bad document", "own.json", "\"do\": \"save\", \"file\": \"other/copy.pith\"");
+    assert_false(is_there("other"));
+    desk_close(at);
+}
+
+/* A sentence cut off in the middle of a character is still an answer. */
+static void test_sentences_are_always_text(void **state)
+{
+    (void)state;
+    desk *at = desk_open(false, false);
+    char name[400] = "";
+    for (int i = 0; i < 100; ++i) strcat(name, i ? "ü" : "x");
+    REFUSED(at, "bad argument", "there is no", "\"do\": \"%s\"", name);
+    REFUSED(at, "bad argument", "there is no", "\"do\": \"x%s\"", name);
     desk_close(at);
 }
 
@@ -202,10 +281,14 @@ static void test_uploads_are_new_files_of_the_folder(void **state)
     pith_free(text);
     put(at, "body.obj", "there is a file body.obj already");
     put(at, "kiwi.pith", "there is a file kiwi.pith already");
-    put(at, "../x.obj", "letters, digits");
-    put(at, "a/x.obj", "letters, digits");
-    put(at, ".x.obj", "letters, digits");
-    put(at, "", "letters, digits");
+    put(at, "../x.obj", "without '/'");
+    put(at, "a/x.obj", "without '/'");
+    put(at, ".x.obj", "without '/'");
+    put(at, "x\ny.obj", "without '/'");
+    put(at, "x\xc2\x9fy.obj", "without '/'");
+    put(at, "", "without '/'");
+    put(at, "mein kürbis 木.obj", NULL);
+    assert_true(is_there("mein kürbis 木.obj"));
     put(at, "x.sh", "no extension that pith reads");
     put(at, "x", "no extension that pith reads");
     assert_int_equal(symlink("/tmp/pith-escaped.obj", in_folder("link.obj")), 0);
@@ -324,6 +407,9 @@ int main(void)
         TEST(test_a_change_is_answered_and_told_to_all),
         TEST(test_saving_minds_what_others_wrote),
         TEST(test_copies_stay_in_the_folder),
+        TEST(test_copies_make_their_folders),
+        TEST(test_sentences_are_always_text),
+        TEST(test_what_changes_nothing_is_no_step),
         TEST(test_uploads_are_new_files_of_the_folder),
         TEST(test_files_are_listed_by_kind),
         TEST(test_operations_name_files_within_reach_only),

@@ -34,8 +34,8 @@ static void test_undo_and_redo_go_along_the_history(void **state)
     assert_string_equal(session_step_name(own), "");
     assert_null(session_undo_name(own, 0));
     assert_null(session_redo_name(own, 0));
-    CHECK_FAILS(session_undo(own, &err), PITH_BAD_ARGUMENT, "nothing to undo");
-    CHECK_FAILS(session_redo(own, &err), PITH_BAD_ARGUMENT, "nothing to do again");
+    CHECK_FAILS(session_undo(own, &err), PITH_BAD_ARGUMENT, "There is nothing to undo");
+    CHECK_FAILS(session_redo(own, &err), PITH_BAD_ARGUMENT, "There is nothing to do again");
 
     set_title(own, "one");
     set_title(own, "two");
@@ -74,6 +74,63 @@ static void test_every_change_has_a_revision_of_its_own(void **state)
     CHECK_FAILS(session_apply(own, "x", "[{}]", 4, NULL, NULL, &err), PITH_BAD_DOCUMENT, "op");
     assert_int_equal(session_revision(own), last);
     session_close(own);
+}
+
+static void test_what_changes_nothing_is_no_step(void **state)
+{
+    (void)state;
+    session *own = open_sample();
+    set_title(own, "one");
+    set_title(own, "two");
+    CHECK_OK(session_undo(own, &err));
+    const uint64_t last = session_revision(own);
+    set_title(own, "one");
+    CHECK_OK(session_apply(own, "x", "[]", 2, NULL, NULL, &err));
+    assert_int_equal(session_revision(own), last);
+    assert_string_equal(session_redo_name(own, 0), "two");
+    assert_null(session_undo_name(own, 1));
+    CHECK_OK(session_undo(own, &err));
+    const uint64_t first = session_revision(own);
+    CHECK_OK(session_revert(own, &err)); /* to what it is */
+    assert_int_equal(session_revision(own), first);
+    assert_string_equal(session_redo_name(own, 0), "one");
+    assert_true(session_saved(own));
+    assert_false(is_there("kiwi.pith.unsaved"));
+
+    /* A recipe that says something else by now is taken up all the same. */
+    static const char naming[] = "[{\"op\": \"set\", \"path\": \"solids[0].exemplar\", \"value\": {\"recipe\": \"own.json\"}}]";
+    write_text("own.json", SAMPLE_RECIPE);
+    CHECK_OK(session_apply(own, "x", naming, strlen(naming), NULL, NULL, &err));
+    const pith_document *before = session_present(own)->document;
+    const uint64_t named = session_revision(own);
+    CHECK_OK(session_apply(own, "x", naming, strlen(naming), NULL, NULL, &err));
+    assert_int_equal(session_revision(own), named);
+    assert_ptr_not_equal(session_present(own)->document, before);
+    CHECK_OK(session_undo(own, &err));
+    CHECK_OK(session_redo(own, &err));
+    session_close(own);
+}
+
+static void test_paths_are_taken_out_of_sentences(void **state)
+{
+    (void)state;
+    static const char *const pairs[][2] = {
+        { "/a/b/k.pith: cuts[0]: wrong", "cuts[0]: wrong" },
+        { "operations: refused: /a/b/k.pith: solids: /a/b/c/x.nrrd: is bad", "operations: refused: solids: c/x.nrrd: is bad" },
+        { "x: is \"/a/b/y.obj\"", "x: is \"y.obj\"" },
+        { "/a/b/k.pith", "k.pith" },
+        { "/q/a/b/x.nrrd, /a/bc/x.nrrd: are others", "/q/a/b/x.nrrd, /a/bc/x.nrrd: are others" },
+        { "", "" },
+    };
+    for (size_t i = 0; i < sizeof pairs / sizeof *pairs; ++i) {
+        char sentence[200];
+        snprintf(sentence, sizeof sentence, "%s", pairs[i][0]);
+        document_plain("/a/b/k.pith", sentence);
+        assert_string_equal(sentence, pairs[i][1]);
+    }
+    char sentence[] = "/etc/x: is bad";
+    document_plain("/k.pith", sentence);
+    assert_string_equal(sentence, "/etc/x: is bad");
 }
 
 /* Far more steps than documents are kept in memory: the old ones come back from their texts. */
@@ -140,7 +197,8 @@ static void test_long_names_are_cut_at_a_character(void **state)
     session *own = open_sample();
     char name[200] = "";
     for (int i = 0; i < 80; ++i) strcat(name, "\xc3\xa9");
-    CHECK_OK(session_apply(own, name, "[]", 2, NULL, NULL, &err));
+    static const char rename[] = "[{\"op\": \"set\", \"path\": \"title\", \"value\": \"one\"}]";
+    CHECK_OK(session_apply(own, name, rename, strlen(rename), NULL, NULL, &err));
     assert_int_equal(strlen(session_step_name(own)), 118);
     assert_memory_equal(session_step_name(own), name, 118);
     session_close(own);
@@ -262,7 +320,7 @@ static void test_a_file_that_others_changed_is_noticed(void **state)
     assert_false(session_disk_is_known(own));
     CHECK_OK(session_revert(own, &err));
     assert_true(session_disk_is_known(own));
-    assert_string_equal(session_undo_name(own, 0), "Revert to the file");
+    assert_null(session_undo_name(own, 0));
     remove(in_folder("kiwi.pith"));
     assert_false(session_disk_is_known(own));
     CHECK_OK(session_save(own, &err));
@@ -357,6 +415,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         TEST(test_undo_and_redo_go_along_the_history),
         TEST(test_every_change_has_a_revision_of_its_own),
+        TEST(test_what_changes_nothing_is_no_step),
+        TEST(test_paths_are_taken_out_of_sentences),
         TEST(test_a_long_history_comes_back_whole),
         TEST(test_a_held_document_stays),
         TEST(test_what_a_check_refuses_has_not_happened),
