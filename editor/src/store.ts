@@ -7,7 +7,7 @@ export type ToolName = 'select' | 'cut' | 'plane' | 'fill' | 'face' | 'depth' | 
 export type ViewMode = 'solid' | 'depth' | 'shape' | 'volume';
 
 export interface State {
-  connection: 'connecting' | 'open' | 'lost' | 'refused';
+  connection: 'connecting' | 'open' | 'lost' | 'gone' | 'refused';
   version: string;
   path: string;
   file: string;
