@@ -24,7 +24,7 @@ export async function openFake(document, { width = 1280, height = 800, theme = '
   await page.goto(server.address);
   await page.waitForFunction(() => globalThis.pith?.store.state.connection === 'open' && globalThis.pith.viewport.view);
   await settle(page);
-  return { page, problems, fake: server.fake, async close() { await context.close(); await server.stop(); } };
+  return { page, problems, server, fake: server.fake, async close() { await context.close(); await server.stop(); } };
 }
 
 /** Until what was asked for has been answered and shown. */
