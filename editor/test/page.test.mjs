@@ -489,7 +489,7 @@ describe('the page', { timeout: 600000 }, () => {
     await page.locator(key('replace')).click();
     const card = page.locator('.file', { hasText: 'broken' });
     await card.locator('.file-why', { hasText: why }).waitFor();
-    await card.click();
+    await card.dispatchEvent('click');
     await drop('.drop');
     await page.locator('dialog .objection', { hasText: why }).waitFor();
     assert.equal(applied(fake).length, 0);

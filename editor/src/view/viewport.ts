@@ -351,7 +351,7 @@ export class Viewport {
     const azimuth = THREE.MathUtils.degToRad(this.lightAzimuth), elevation = THREE.MathUtils.degToRad(this.lightElevation);
     this.shared.lightDirection.value.copy(level.applyAxisAngle(up, azimuth)).multiplyScalar(Math.cos(elevation)).addScaledVector(up, Math.sin(elevation));
     this.shared.upDirection.value.copy(up);
-    this.floor.visible = !this.layer;
+    this.floor.visible = !this.layer && this.view?.box.isEmpty() === false;
     this.ribbons.pale.value = this.layer || this.shared.mode.value === 1 ? 0.75 : 0; // where their colour is all about them
     this.renderer.render(this.scene, camera);
     this.overlay.draw();
