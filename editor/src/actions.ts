@@ -2,7 +2,6 @@
 
 import { Connection, Refusal } from './connection';
 import type { Json } from './protocol';
-import { changesNothing } from './steps';
 import type { Store } from './store';
 
 export class Actions {
@@ -13,13 +12,9 @@ export class Actions {
 
   constructor(readonly connection: Connection, private readonly store: Store) {}
 
-  /** Does operations under a name, after those asked for before; false when they were refused. Those that would change
-      nothing are no step. */
+  /** Does operations under a name, after those asked for before; false when they were refused. */
   apply(name: string, operations: Json[]): Promise<boolean> {
-    return this.inTurn(async () => {
-      const { revision, document } = this.store.state;
-      return changesNothing(document, operations) ? {} : this.connection.ask('apply', { revision, name, operations });
-    });
+    return this.inTurn(() => this.connection.ask('apply', { revision: this.store.state.revision, name, operations }));
   }
   /** When all that was asked for before has been answered, and the page knows what came of it. */
   async settled(): Promise<void> { await this.last; }

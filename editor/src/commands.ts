@@ -5,8 +5,7 @@ import type { App } from './app';
 import { stepLayer } from './fieldview';
 import { bodyJson, type ViewMode } from './store';
 import { save, saveAs } from './dialogs/saving';
-import { hidePart, showAllParts } from './parts';
-import { anyHidden } from './steps';
+import { anyHidden, hidePart, showAllParts } from './parts';
 
 export interface Command {
   id: string;

@@ -1,7 +1,7 @@
 // Operations on parts: the pieces that cuts leave. A point in a part names it.
 
 import type { App } from './app';
-import { anyHidden, anyMoved } from './steps';
+import type { Json, Point } from './protocol';
 import { bodyKey } from './store';
 
 /** Hides or shows a part of the view. */
@@ -23,6 +23,18 @@ export async function showAllParts(app: App): Promise<void> {
 export async function bringTogether(app: App): Promise<void> {
   app.store.set({ apart: 0 });
   if (anyMoved(app.store.state.document)) await app.actions.apply('Bring parts together', [{ op: 'part.together' }]);
+}
+
+interface PartEntry { hidden?: boolean; offset?: Point }
+
+/** Is a part hidden? */
+export function anyHidden(document: Json): boolean {
+  return ((document.parts ?? []) as PartEntry[]).some((part) => part.hidden);
+}
+
+/** Has a part been moved by hand? */
+export function anyMoved(document: Json): boolean {
+  return ((document.parts ?? []) as PartEntry[]).some((part) => part.offset?.some((x) => x !== 0));
 }
 
 /** The gap that a cut gets which keeps both sides: a little of what the uncut model measures, so that one cut more moves

@@ -2,11 +2,12 @@
 // write requests themselves; a person at the page wrote none.
 
 const rules: [pattern: RegExp, said: string][] = [
-  [/^there is nothing to do again$/, 'There is nothing to redo.'],
+  [/^there is nothing to undo\b.*$/i, 'There is nothing to undo.'],
+  [/^there is nothing to do again\b.*$/i, 'There is nothing to redo.'],
   [/^job: no job .*$/, 'That had ended already.'],
   [/^(?:file|name): there is a file (.+?) already\b.*$/, 'There is a file $1 already.'],
   [/^(file|name): (is|has) /, 'The $1 $2 '],
-  [/^(?:exemplar|path|operations?|revision): /, ''],
+  [/^(?:exemplar|path|operations?|revision|file|name): /, ''],
 ];
 
 /** A refusal's sentence as the page shows it; `status` says of which kind it is. */

@@ -204,7 +204,7 @@ describe('the editor', { timeout: 600000 }, () => {
   test('a page whose server was killed says that it is not running', async () => {
     const page = await open('kiwi.pith');
     await server.stop('SIGKILL');
-    await page.locator('.banner', { hasText: 'is not running' }).waitFor();
+    await page.locator('.banner.of-connection', { hasText: 'is not running' }).waitFor();
     opened.problems.length = 0;          // the browser reports that nobody answers
   });
 

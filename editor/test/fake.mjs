@@ -62,6 +62,7 @@ export class Fake {
     this.asked = [];                  // every request, for tests to look at
     this.changedOnDisk = false;
     this.documents = ['kiwi.pith', 'tree.pith'];
+    this.viewWhy = null;
     this.broken = [];                 // recipes that cannot be read
     this.serial = 0;
   }
@@ -114,8 +115,8 @@ export class Fake {
         this.history = [...this.history.slice(0, this.at + 1), { document: next, name: request.name }];
         this.at += 1;
       });
-      case 'undo': return this.change(request, answer, () => { if (this.at === 0) throw new Error('there is nothing to undo'); this.at -= 1; });
-      case 'redo': return this.change(request, answer, () => { if (this.at + 1 >= this.history.length) throw new Error('there is nothing to do again'); this.at += 1; });
+      case 'undo': return this.change(request, answer, () => { if (this.at === 0) throw new Error('There is nothing to undo: this is the first step there is'); this.at -= 1; });
+      case 'redo': return this.change(request, answer, () => { if (this.at + 1 >= this.history.length) throw new Error('There is nothing to do again: this is the last step there is'); this.at += 1; });
       case 'revert': return this.change(request, answer, () => {
         this.history = [...this.history.slice(0, this.at + 1), { document: this.savedAt, name: 'Go back to the saved document' }];
         this.at += 1;
@@ -142,8 +143,13 @@ export class Fake {
   }
 
   change(request, answer, step) {
-    if (request.revision !== this.revision) throw Object.assign(new Error(`revision: is ${request.revision}, but the document is at ${this.revision}; another page was first`), { status: 'stale' });
+    if (request.revision !== this.revision) throw Object.assign(new Error(`Another page was first: the document is at revision ${this.revision}, and this was meant for ${request.revision}; look at what it is now, and do it again`), { status: 'stale' });
+    const before = { document: this.document, at: this.at, history: this.history };
     step();
+    if (request.do === 'apply' && JSON.stringify(this.document) === JSON.stringify(before.document)) { // no change is no step
+      Object.assign(this, { at: before.at, history: before.history });
+      return answer({ revision: this.revision });
+    }
     this.revision += 1;
     this.tell(this.event());
     answer({ revision: this.revision });
@@ -179,7 +185,7 @@ export class Fake {
                why: lacks ? `solids[0]: type ${type} needs a ${lacks} field; give the body "${lacks}", or take another type` : null };
     });
     return { revision: this.revision, document, name: this.history[this.at].name, undo: this.history.slice(1, this.at + 1).map((step) => step.name).reverse(),
-             redo: this.history.slice(this.at + 1).map((step) => step.name), saved: this.savedAt === document, recovered: this.recovered, bodies };
+             redo: this.history.slice(this.at + 1).map((step) => step.name), saved: this.savedAt === document, recovered: this.recovered, bodies, view: { why: this.viewWhy } };
   }
 
   event() { return { event: 'document', by: 1, ...this.state() }; }

@@ -208,7 +208,7 @@ describe('looks', { timeout: 900000 }, () => {
     const { page } = opened;
     for (const connection of ['lost', 'gone', 'refused']) {
       await choose(page, { tool: 'cut', connection });
-      const banner = await page.locator('.banner').boundingBox(), bar = await page.locator('.tool-options').boundingBox();
+      const banner = await page.locator('.banner.of-connection').boundingBox(), bar = await page.locator('.tool-options').boundingBox();
       assert.ok(bar.y >= banner.y + banner.height, `${connection}: the banner ends at ${banner.y + banner.height}, the bar begins at ${bar.y}`);
     }
     await choose(page, { connection: 'open' });

@@ -24,8 +24,9 @@ test('what the server says is put to people as sentences', async () => {
   const { sentence } = await load('sentences');
   const said = [
     ['revision: is 2, but the document is at 3; another page was first', 'stale', 'Another page changed the document first; it is shown now.'],
-    ['there is nothing to undo', 'bad argument', 'There is nothing to undo.'],
-    ['there is nothing to do again', 'bad argument', 'There is nothing to redo.'],
+    ['There is nothing to undo: this is the first step there is', 'bad argument', 'There is nothing to undo.'],
+    ['There is nothing to do again: this is the last step there is', 'bad argument', 'There is nothing to redo.'],
+    ['file: the name is ".a.pith", expected 1 to 200 bytes', 'bad argument', 'The name is ".a.pith", expected 1 to 200 bytes.'],
     ['file: there is a file tree.pith already; force replaces it', 'bad argument', 'There is a file tree.pith already.'],
     ['name: there is a file plum.json already, and it is not replaced; choose another name', 'bad argument', 'There is a file plum.json already.'],
     ['file: is "tree.txt", expected a name that ends with .pith', 'bad argument', 'The file is "tree.txt", expected a name that ends with .pith.'],
@@ -35,24 +36,6 @@ test('what the server says is put to people as sentences', async () => {
     ['The connection to pith was lost.', 'lost', 'The connection to pith was lost.'],
   ];
   for (const [message, status, sentenced] of said) assert.equal(sentence(message, status), sentenced);
-});
-
-test('steps that change nothing are known', async () => {
-  const { changesNothing } = await load('steps');
-  const document = { title: 'A', cuts: [{ keep: 'both' }], parts: [{ at: [0, 0, 0], hidden: false, offset: [0, 0, 0] }] };
-  const set = (path, value) => [{ op: 'set', path, value }];
-  assert.equal(changesNothing(document, set('cuts[0].keep', 'both')), true);
-  assert.equal(changesNothing(document, set('cuts[0].keep', 'positive')), false);
-  assert.equal(changesNothing(document, set('cuts[0].gap', 0)), false);
-  assert.equal(changesNothing(document, [...set('title', 'A'), ...set('title', 'B')]), false);
-  assert.equal(changesNothing(document, [{ op: 'remove', path: 'cuts[0].gap' }]), true);
-  assert.equal(changesNothing(document, [{ op: 'remove', path: 'title' }]), false);
-  assert.equal(changesNothing(document, [{ op: 'part.show', all: true }, { op: 'part.together' }]), true);
-  document.parts[0] = { at: [0, 0, 0], hidden: true, offset: [0, 1, 0] };
-  assert.equal(changesNothing(document, [{ op: 'part.show', all: true }]), false);
-  assert.equal(changesNothing(document, [{ op: 'part.together' }]), false);
-  assert.equal(changesNothing(document, [{ op: 'part.show', at: [0, 0, 0] }]), false);
-  assert.equal(changesNothing(document, [{ op: 'cut.remove' }]), false);
 });
 
 test('a slider reaches both ends of every range of the schema, its default, and never leaves it', async () => {

@@ -2,8 +2,7 @@
 
 import { operate, setValue } from '../app';
 import type { Json } from '../protocol';
-import { bringTogether, hidePart, partNames } from '../parts';
-import { anyMoved } from '../steps';
+import { anyMoved, bringTogether, hidePart, partNames } from '../parts';
 import { button, checkbox, iconButton, row, segmented } from '../ui/controls';
 import { h, live } from '../ui/dom';
 import { empty, list, listRow, section, setNote } from '../ui/layout';

@@ -17,7 +17,9 @@ import { toolOptions } from './tooloptions';
 export function stage(context: Context): { element: HTMLElement; steps: FirstSteps } {
   const { app } = context, steps = new FirstSteps();
   const element = h('main', { class: 'stage', 'aria-label': 'Model' }, app.viewport.element,
-    h('div', { class: 'stage-top' }, lostBanner(context), toolOptions(context)), depthScale(context), middle(context),
+    h('div', { class: 'stage-top' }, banner(context, 'of-connection', ['connection'], ({ connection }) => connectionWords[connection]),
+      banner(context, 'of-view', ['viewWhy'], ({ viewWhy }) => viewWhy && `What is shown is not what the document says. ${viewWhy}`),
+      toolOptions(context)), depthScale(context), middle(context),
     h('div', { class: 'stage-low' }, steps.element, app.messages.element));
   takeDroppedFiles(app);
   return { element, steps };
@@ -31,16 +33,18 @@ const connectionWords: { [state in State['connection']]: string | null } = {
   refused: 'This page belongs to an earlier run of pith. Open the address that “pith edit” printed last.',
 };
 
-function lostBanner({ app }: Context): HTMLElement {
-  const text = h('span'), banner = h('div', { class: 'banner', role: 'alert' }, icon('warning', 18), text);
+/* Words across the view, for as long as there are any. */
+function banner({ app }: Context, look: string, keys: (keyof State)[], read: (state: State) => string | null):
+  HTMLElement {
+  const text = h('span'), made = h('div', { class: `banner ${look}`, role: 'alert' }, icon('warning', 18), text);
   const refresh = (): void => {
-    const words = connectionWords[app.store.state.connection];
-    banner.hidden = words === null;
+    const words = read(app.store.state);
+    made.hidden = words === null;
     text.textContent = words;
   };
-  app.store.on(['connection'], refresh);
+  app.store.on(keys, refresh);
   refresh();
-  return banner;
+  return made;
 }
 
 /* The colours of depth, and the layer looked at as a handle beside them. */
