@@ -17,7 +17,8 @@ import { toolOptions } from './tooloptions';
 export function stage(context: Context): { element: HTMLElement; steps: FirstSteps } {
   const { app } = context, steps = new FirstSteps();
   const element = h('main', { class: 'stage', 'aria-label': 'Model' }, app.viewport.element,
-    h('div', { class: 'stage-top' }, banner(context, 'of-connection', ['connection'], ({ connection }) => connectionWords[connection]),
+    h('div', { class: 'stage-top' },
+      banner(context, 'of-connection', ['connection'], ({ connection }) => connectionWords[connection]),
       banner(context, 'of-view', ['viewWhy'], ({ viewWhy }) => viewWhy && `What is shown is not what the document says. ${viewWhy}`),
       toolOptions(context)), depthScale(context), middle(context),
     h('div', { class: 'stage-low' }, steps.element, app.messages.element));
