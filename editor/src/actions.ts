@@ -16,12 +16,20 @@ export class Actions {
   apply(name: string, operations: Json[]): Promise<boolean> {
     return this.inTurn(() => this.connection.ask('apply', { revision: this.store.state.revision, name, operations }));
   }
+  /** When all that was asked for before has been answered, and the page knows what came of it. */
+  async settled(): Promise<void> { await this.last; }
   undo(): Promise<boolean> { return this.inTurn(() => this.connection.ask('undo', { revision: this.store.state.revision })); }
   redo(): Promise<boolean> { return this.inTurn(() => this.connection.ask('redo', { revision: this.store.state.revision })); }
   revert(): Promise<boolean> { return this.inTurn(() => this.connection.ask('revert', { revision: this.store.state.revision })); }
-  /** Saves; `refused`, when given, is told a refusal instead of `complain`. */
-  save(keys: Json = {}, refused?: (message: string, status?: string) => void): Promise<boolean> {
-    return this.inTurn(() => this.connection.ask('save', keys), refused);
+  /** Saves; gives the file that was written, null when it was refused. `refused` is told of that instead of `complain`. */
+  async save(keys: Json, refused: (message: string, status?: string) => void): Promise<string | null> {
+    let file: string | null = null;
+    await this.inTurn(async () => {
+      const answer = await this.connection.ask('save', keys);
+      file = answer.file;
+      return answer;
+    }, refused);
+    return file;
   }
   update(what: 'fields' | 'solid'): Promise<boolean> { return this.try(this.connection.ask('update', { what })); }
   cancel(job: number): Promise<boolean> { return this.try(this.connection.ask('cancel', { job })); }

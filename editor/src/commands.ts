@@ -4,8 +4,8 @@ import { Vector3 } from 'three';
 import type { App } from './app';
 import { stepLayer } from './fieldview';
 import { bodyJson, type ViewMode } from './store';
-import { askText, confirmDialog } from './ui/dialog';
-import { hidePart, showAllParts } from './parts';
+import { save, saveAs } from './dialogs/saving';
+import { anyHidden, hidePart, showAllParts } from './parts';
 
 export interface Command {
   id: string;
@@ -61,8 +61,7 @@ export class Commands {
         why: () => (state.redo.length ? null : 'There is nothing to redo.'), run: () => void actions.redo() },
       { id: 'save', label: 'Save', group: 'Document', keys: ['Ctrl+S'], run: () => void save(this.app) },
       { id: 'save-as', label: 'Save as…', group: 'Document', keys: ['Ctrl+Shift+S'],
-        run: () => askText('Save as', 'File name, in the document’s folder', state.file, 'Save',
-          (file) => void save(this.app, { file })) },
+        run: () => saveAs(this.app) },
       { id: 'revert', label: 'Go back to the saved document', group: 'Document', keys: [],
         why: () => (state.saved ? 'The document is as it was saved.' : null), run: () => void actions.revert() },
     ];
@@ -113,12 +112,13 @@ export class Commands {
 
   private ofParts(): Command[] {
     const { app } = this, { store } = app, { state } = store;
-    const picked = () => (state.part === null ? 'Pick a part first, with the select tool.' : null);
+    const picked = () => (state.part === null ? 'Pick a part first, with the select tool.'
+      : app.model.parts[state.part]?.hidden ? 'This part is hidden already.' : null);
     return [
       { id: 'hide', label: 'Hide the picked part', group: 'Parts and cuts', keys: ['H'], why: picked,
         run: () => { void hidePart(app, state.part!, true); store.set({ part: null }); } },
       { id: 'show-all', label: 'Show all parts', group: 'Parts and cuts', keys: ['Alt+H'], insists: true,
-        why: () => (app.model.parts.some((part) => part.hidden) ? null : 'No part is hidden.'),
+        why: () => (anyHidden(state.document) ? null : 'Nothing is hidden.'),
         run: () => void showAllParts(app) },
       { id: 'delete', label: 'Remove the chosen cut, or hide the picked part', group: 'Parts and cuts',
         keys: ['Delete', 'Backspace'],
@@ -162,14 +162,4 @@ export function updateObstacle(app: App): string | null {
 
 function noDepth(app: App): string | null {
   return bodyJson(app.store.state).depth ? null : 'This body has no depth field.';
-}
-
-/** Saves; when another program wrote the file meanwhile, asks whether to write over it. */
-export async function save(app: App, keys: { file?: string; force?: boolean } = {}): Promise<void> {
-  const done = await app.actions.save(keys, (message, status) => {
-    if (status !== 'changed on disk') return app.actions.complain(message, status);
-    confirmDialog('Changed on disk', message,
-      { label: 'Save over it', danger: true, run: () => void save(app, { ...keys, force: true }) });
-  });
-  if (done) app.messages.say(`Saved ${app.store.state.file}.`, 'done');
 }

@@ -1,6 +1,7 @@
 // The socket: requests with answers, events, packets; and finding the server again when it was away.
 
 import { readPacket, writeUpload, type Json, type Packet, type ServerEvent, type TypedArray } from './protocol';
+import { sentence } from './sentences';
 
 /** A request that was refused; the message is a sentence for people. */
 export class Refusal extends Error {
@@ -12,7 +13,8 @@ type Answer = { resolve: (value: any) => void; reject: (reason: Error) => void }
 export class Connection {
   onEvent: (event: ServerEvent) => void = () => {};
   onPacket: (packet: Packet) => void = () => {};
-  onState: (state: 'open' | 'lost' | 'refused') => void = () => {};
+  /** open; lost: it ended just now; gone: nobody listens there; refused: somebody does, but lets this page not in. */
+  onState: (state: 'open' | 'lost' | 'gone' | 'refused') => void = () => {};
 
   private socket: WebSocket | null = null;
   private waiting = new Map<number, Answer>();
@@ -31,11 +33,21 @@ export class Connection {
       if (this.socket !== socket) return;
       for (const answer of this.waiting.values()) answer.reject(new Refusal('lost', 'The connection to pith was lost.'));
       this.waiting.clear();
-      // A server that was there and refuses now has another token: this page is from an earlier run.
-      this.onState(!opened && this.tries > 5 ? 'refused' : 'lost');
-      setTimeout(() => this.open(), Math.min(250 * 2 ** this.tries++, 4000));
+      // A server that was there a moment ago and refuses has another token: this page is from an earlier run.
+      this.onState(!opened && this.tries > 0 ? 'refused' : 'lost');
+      this.tryAgain();
     };
     this.socket = socket;
+  }
+
+  /* Looks for the server after a while, longer every time. A socket does not say why it failed, so whether anybody
+     listens is asked first. */
+  private tryAgain(): void {
+    setTimeout(async () => {
+      if (await fetch('/', { cache: 'no-store' }).then(() => true, () => false)) return this.open();
+      this.onState('gone');
+      this.tryAgain();
+    }, Math.min(250 * 2 ** this.tries++, 4000));
   }
 
   private receive(data: string | ArrayBuffer): void {
@@ -48,7 +60,7 @@ export class Connection {
     const message = JSON.parse(data) as Json;
     if (message.event) this.onEvent(message as ServerEvent);
     else if (message.ok) this.take(message.id)?.resolve(message);
-    else this.take(message.id)?.reject(new Refusal(message.status, message.message));
+    else this.take(message.id)?.reject(new Refusal(message.status, sentence(message.message, message.status)));
   }
 
   private take(id: number): Answer | undefined {

@@ -6,7 +6,8 @@ import { Connection } from './connection';
 import { Model } from './model';
 import { installAskedColours } from './asked';
 import { buildPage } from './panels/page';
-import type { BodyState, DocumentEvent, Hello, JobEvent } from './protocol';
+import type { BodyState, DocumentEvent, Hello, JobEvent, ViewState } from './protocol';
+import { sentence } from './sentences';
 import { Store } from './store';
 import { installFieldView } from './fieldview';
 import { cutTool } from './tools/cut';
@@ -49,17 +50,23 @@ const app: App = {
 const panelsWait = 40;
 
 function takeDocument(event: Omit<DocumentEvent, 'event'>): void {
-  const { revision, document, name, undo, redo, saved, recovered, bodies } = event;
+  const { revision, document, name, undo, redo, saved, recovered, bodies, view } = event;
   store.set({ revision, document, name, undo, redo, saved, recovered, bodies, body: Math.min(store.state.body, Math.max(0, bodies.length - 1)) },
             panelsWait);
+  takeViewState(view);
   showStale(bodies);
   const render = document.render ?? {};
   viewport.light(render.light_azimuth ?? -50, render.light_elevation ?? 48);
 }
 
+function takeViewState(view: ViewState | undefined): void {
+  store.set({ viewWhy: view?.why ? sentence(view.why) : null }, panelsWait);
+}
+
 /* What is built of the bodies; those that show another solid than the document's are drawn paler. */
-function takeBodies(bodies: BodyState[]): void {
+function takeBodies({ bodies, view }: { bodies: BodyState[]; view?: ViewState }): void {
   store.set({ bodies }, panelsWait);
+  takeViewState(view);
   showStale(bodies);
 }
 
@@ -87,7 +94,7 @@ connection.onState = (state) => {
 connection.onEvent = (event) => {
   if (event.event === 'document') takeDocument(event);
   else if (event.event === 'job') takeJob(event);
-  else if (event.event === 'bodies') takeBodies(event.bodies);
+  else if (event.event === 'bodies') takeBodies(event);
   else if (event.event === 'automatic') store.set({ automatic: event.on });
   else if (event.event === 'note') actions.complain(event.message);
 };

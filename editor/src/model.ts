@@ -24,7 +24,6 @@ export class Model {
   meshes = new Map<number, MeshFacts>();
   solids = new Map<number, SolidFacts>();
   parts: PartHead[] = [];
-  box: [Point, Point] | null = null;
   triangles = 0;
   seconds: { cut?: number; pack?: number } = {};
   /** Called for every picture that comes. */
@@ -40,7 +39,6 @@ export class Model {
       this.solids.set(head.body, { type: head.type, patches: head.patch_count ?? 0, report: head.report ?? {} });
     } else if (packet.kind === 'view') {
       this.parts = head.parts as PartHead[];
-      this.box = head.box ?? this.box;
       this.seconds = head.seconds ?? {};
       this.triangles = (arrays.corners?.length ?? 0) / 3;
     } else if (packet.kind === 'picture') {
@@ -61,11 +59,13 @@ export class Model {
     });
   }
 
-  /** The diagonal of everything there is, model units; 1 as long as nothing is known. */
+  /** The diagonal of the uncut model, wherever its pieces lie now, model units; 1 as long as nothing is known. */
   diagonal(): number {
-    if (!this.box) return 1;
-    const [low, high] = this.box;
-    return Math.hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]) || 1;
+    const boxes = [...this.meshes.values()].flatMap((mesh) => (mesh.box ? [mesh.box] : []));
+    if (boxes.length === 0) return 1;
+    const span = [0, 1, 2].map((axis) =>
+      Math.max(...boxes.map(([, high]) => high[axis])) - Math.min(...boxes.map(([low]) => low[axis])));
+    return Math.hypot(...span) || 1;
   }
 
   /** Patches of all solids. */

@@ -12,9 +12,11 @@ export function hidePart(app: App, index: number, hidden: boolean): Promise<bool
   return app.actions.apply(hidden ? 'Hide part' : 'Show part', [operation]);
 }
 
-/** Shows all hidden parts, as one step. */
-export function showAllParts(app: App): Promise<boolean> {
-  return app.actions.apply('Show all parts', [{ op: 'part.show', all: true }]);
+/** Shows all hidden parts, as one step; says so when there are none. */
+export async function showAllParts(app: App): Promise<void> {
+  await app.actions.settled(); // a part may just be on its way out of sight
+  if (anyHidden(app.store.state.document)) await app.actions.apply('Show all parts', [{ op: 'part.show', all: true }]);
+  else app.messages.say('Nothing is hidden.');
 }
 
 /** Puts parts that were moved by hand back where the cuts left them, and no longer pulls them apart for looking. */
@@ -23,9 +25,22 @@ export async function bringTogether(app: App): Promise<void> {
   if (anyMoved(app.store.state.document)) await app.actions.apply('Bring parts together', [{ op: 'part.together' }]);
 }
 
+interface PartEntry { hidden?: boolean; offset?: Point }
+
+/** Is a part hidden? */
+export function anyHidden(document: Json): boolean {
+  return ((document.parts ?? []) as PartEntry[]).some((part) => part.hidden);
+}
+
 /** Has a part been moved by hand? */
 export function anyMoved(document: Json): boolean {
-  return ((document.parts ?? []) as { offset?: Point }[]).some((part) => part.offset?.some((x) => x !== 0));
+  return ((document.parts ?? []) as PartEntry[]).some((part) => part.offset?.some((x) => x !== 0));
+}
+
+/** The gap that a cut gets which keeps both sides: a little of what the uncut model measures, so that one cut more moves
+    pieces no further than the first did. */
+export function gapOf(app: App, keep: string): { gap?: number } {
+  return keep === 'both' ? { gap: Number((0.12 * app.model.diagonal()).toPrecision(3)) } : {};
 }
 
 /** Parts as people tell them apart: the body's name where there are several, and a number within the body. */

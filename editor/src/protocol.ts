@@ -12,6 +12,9 @@ export interface BodyState {
   why: string | null;               // why it cannot be filled yet
 }
 
+/** Why what is shown is not what the document says, a sentence; null while it is. */
+export interface ViewState { why: string | null }
+
 export interface DocumentEvent {
   event: 'document';
   revision: number;
@@ -23,6 +26,7 @@ export interface DocumentEvent {
   recovered: boolean;
   by: number;
   bodies: BodyState[];
+  view?: ViewState;
 }
 
 export interface TypeNeeds { depth: boolean; direction: boolean; vectors: boolean; scale: boolean }
@@ -60,7 +64,7 @@ export interface JobEvent {
 
 export type ServerEvent =
   DocumentEvent | JobEvent | { event: 'automatic'; on: boolean } | { event: 'note'; message: string } |
-  { event: 'bodies'; revision: number; bodies: BodyState[] };
+  { event: 'bodies'; revision: number; bodies: BodyState[]; view?: ViewState };
 
 export type TypedArray = Float32Array | Uint32Array | Int16Array | Uint16Array | Int8Array | Uint8Array;
 type ArrayPlace = [offset: number, type: 'f32' | 'u32' | 'i16' | 'u16' | 'i8' | 'u8', count: number];

@@ -7,7 +7,7 @@ export type ToolName = 'select' | 'cut' | 'plane' | 'fill' | 'face' | 'depth' | 
 export type ViewMode = 'solid' | 'depth' | 'shape' | 'volume';
 
 export interface State {
-  connection: 'connecting' | 'open' | 'lost' | 'refused';
+  connection: 'connecting' | 'open' | 'lost' | 'gone' | 'refused';
   version: string;
   path: string;
   file: string;
@@ -25,6 +25,7 @@ export interface State {
   saved: boolean;
   recovered: boolean;
   bodies: BodyState[];
+  viewWhy: string | null;           // why what is shown is not what the document says
   automatic: boolean;
   jobs: JobEvent[];                 // under way, or just ended
 
@@ -57,7 +58,7 @@ export interface State {
 
 export const initial: State = {
   connection: 'connecting', version: '', path: '', file: '', socket: 0, schema: {}, types: {}, functions: {}, templates: [],
-  revision: 0, document: {}, name: '', undo: [], redo: [], saved: true, recovered: false, bodies: [], automatic: true,
+  revision: 0, document: {}, name: '', undo: [], redo: [], saved: true, recovered: false, bodies: [], viewWhy: null, automatic: true,
   jobs: [],
   tool: 'select', mode: 'solid', body: 0, part: null, paint: 0, erase: false, palette: [0, 0.25, 0.5, 0.75, 1],
   crease: 30, layer: null, isolines: true, lines: 'none', linesOf: '', apart: 0, size: 0, pasting: null, keep: 'positive',

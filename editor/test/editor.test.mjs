@@ -165,6 +165,55 @@ describe('the editor', { timeout: 600000 }, () => {
     await until(opened.page, (s) => s.document.title === 'One');
   });
 
+  test('a copy replaces a file only when that is said, and a file that is gone is not reverted to', async () => {
+    const page = await open('kiwi.pith'), other = join(folder, 'examples', 'tree.pith'), before = readDocument(other).title;
+    await apply(page, 'Title', [{ op: 'set', path: 'title', value: 'One' }]);
+    await page.keyboard.press('Control+Shift+S');
+    const dialog = page.locator('dialog[open]');
+    await dialog.locator('input').fill('tree.pith');
+    await page.keyboard.press('Enter');
+    await dialog.locator('.objection', { hasText: 'There is a file tree.pith already.' }).waitFor();
+    assert.equal(readDocument(other).title, before);
+    await dialog.getByText('Replace', { exact: true }).click();
+    await page.locator('.message', { hasText: 'Saved tree.pith' }).waitFor();
+    assert.equal(readDocument(other).title, 'One');
+    assert.equal((await state(page)).saved, false, 'the document itself is not saved by a copy');
+    rmSync(server.document);
+    await page.keyboard.press('Control+s');
+    await dialog.getByText('is not where it was').waitFor();
+    assert.deepEqual(await dialog.locator('footer button').allTextContents(), ['Cancel', 'Save anyway']);
+    await dialog.getByText('Save anyway', { exact: true }).click();
+    await until(page, (s) => s.saved);
+    assert.equal(readDocument(server.document).title, 'One');
+  });
+
+  test('cuts that keep both sides move pieces a little each, and cuts that leave nothing can be undone', async () => {
+    const page = await open('kiwi.pith', (text) => { delete text.cuts; });
+    const { width, height } = await viewBox(page);
+    const diagonal = await page.evaluate(() => globalThis.pith.model.diagonal());
+    await use(page, { tool: 'cut', keep: 'both' });
+    for (const [i, tilt] of [-30, 0, 30, 60].entries()) {
+      await drag(page, [[width / 2 - tilt, height * 0.14], [width / 2 + tilt, height * 0.97]]);
+      await until(page, (s) => s.document.cuts && s.document.cuts.length === i + 1);
+      await settled(page);
+    }
+    const { cuts } = (await state(page)).document;
+    for (const { gap } of cuts) assert.ok(gap > 0.1 * diagonal && gap < 0.14 * diagonal, `a gap of ${gap} in a model of ${diagonal}`);
+    await apply(page, 'Cut', [{ op: 'cut.plane', plane: { point: [100, 0, 0], normal: [1, 0, 0] }, keep: 'positive' }]);
+    const card = page.locator('.stage-card');
+    await card.getByText('The cuts leave nothing of the model.').waitFor();
+    await card.getByText('Undo', { exact: true }).click();
+    await card.waitFor({ state: 'detached' });
+    assert.equal(await count(page, 'cuts'), 4);
+  });
+
+  test('a page whose server was killed says that it is not running', async () => {
+    const page = await open('kiwi.pith');
+    await server.stop('SIGKILL');
+    await page.locator('.banner.of-connection', { hasText: 'is not running' }).waitFor();
+    opened.problems.length = 0;          // the browser reports that nobody answers
+  });
+
   test('two pages of one document do not harm it', async () => {
     const page = await open('kiwi.pith');
     const second = await openPage(server);

@@ -20,10 +20,10 @@ export async function startFake(folder, document, options = {}) {
   const fake = new Fake(document, options);
   const server = createServer((request, response) => sendFile(folder, request, response));
   server.on('upgrade', (request, socket) => fake.accept(request, socket));
-  await new Promise((resolve) => server.listen(0, '127.0.0.1', resolve));
-  const { port } = server.address();
+  const start = (port) => new Promise((resolve) => server.listen(port, '127.0.0.1', resolve));
+  await start(0);
   return {
-    address: `http://127.0.0.1:${port}/#${token}`, fake,
+    address: `http://127.0.0.1:${server.address().port}/#${token}`, fake, start,
     async stop() { fake.drop(); server.closeAllConnections(); await new Promise((resolve) => server.close(resolve)); },
   };
 }
@@ -56,10 +56,14 @@ export class Fake {
     this.delay = delay;
     this.shown = built ? JSON.stringify(solidPart(document)) : '';
     this.sockets = new Set();
+    this.token = token;
     this.jobs = 0;
     this.timers = new Map();
     this.asked = [];                  // every request, for tests to look at
     this.changedOnDisk = false;
+    this.documents = ['kiwi.pith', 'tree.pith'];
+    this.viewWhy = null;
+    this.broken = [];                 // recipes that cannot be read
     this.serial = 0;
   }
 
@@ -67,7 +71,7 @@ export class Fake {
 
   accept(request, socket) {
     const address = new URL(request.url, 'http://localhost');
-    if (address.searchParams.get('token') !== token) return socket.end('HTTP/1.1 403 Forbidden\r\n\r\n');
+    if (address.searchParams.get('token') !== this.token) return socket.end('HTTP/1.1 403 Forbidden\r\n\r\n');
     const key = createHash('sha1').update(request.headers['sec-websocket-key'] + '258EAFA5-E914-47DA-95CA-C5AB0DC85B11').digest('base64');
     socket.write(`HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Protocol: pith\r\nSec-WebSocket-Accept: ${key}\r\n\r\n`);
     this.sockets.add(socket);
@@ -111,24 +115,24 @@ export class Fake {
         this.history = [...this.history.slice(0, this.at + 1), { document: next, name: request.name }];
         this.at += 1;
       });
-      case 'undo': return this.change(request, answer, () => { if (this.at === 0) throw new Error('There is nothing to undo.'); this.at -= 1; });
-      case 'redo': return this.change(request, answer, () => { if (this.at + 1 >= this.history.length) throw new Error('There is nothing to redo.'); this.at += 1; });
+      case 'undo': return this.change(request, answer, () => { if (this.at === 0) throw new Error('There is nothing to undo: this is the first step there is'); this.at -= 1; });
+      case 'redo': return this.change(request, answer, () => { if (this.at + 1 >= this.history.length) throw new Error('There is nothing to do again: this is the last step there is'); this.at += 1; });
       case 'revert': return this.change(request, answer, () => {
         this.history = [...this.history.slice(0, this.at + 1), { document: this.savedAt, name: 'Go back to the saved document' }];
         this.at += 1;
       });
       case 'save':
-        if (this.changedOnDisk && !request.force) throw Object.assign(new Error('kiwi.pith was changed by another program.'), { status: 'changed on disk' });
-        this.savedAt = this.document;
-        this.recovered = false;
+        this.save(request);
         answer({ file: request.file ?? 'kiwi.pith' });
         return this.tell(this.event());
       case 'update': answer({ job: ++this.jobs }); return this.build(this.jobs, request.what);
       case 'cancel': answer({}); return this.cancel(request.job);
       case 'automatic': this.automatic = request.on; answer({}); return this.tell({ event: 'automatic', on: request.on });
-      case 'files': return answer({ files: filesOf(request.kind) });
+      case 'files': return answer({ files: this.filesOf(request.kind) });
       case 'recipe': return answer({ recipe: JSON.parse(readFileSync(join(root, 'examples', request.path))) });
-      case 'exemplar': return socket.write(frameOf(voxelsOf(request, this.document, root), 2));
+      case 'exemplar':
+        if (/broken/.test(request.exemplar?.recipe)) throw new Error(`${request.exemplar.recipe}: line 3: ',' expected near 'stops'`);
+        return socket.write(frameOf(voxelsOf(request, this.document, root), 2));
       case 'layer': return socket.write(frameOf(sphereLayer(request), 2));
       case 'lines': return socket.write(frameOf(meridians(request), 2));
       case 'section': throw new Error(`This server has no ${request.do}.`);
@@ -139,13 +143,36 @@ export class Fake {
   }
 
   change(request, answer, step) {
-    if (request.revision !== this.revision) throw Object.assign(new Error('Another page was first.'), { status: 'stale' });
+    if (request.revision !== this.revision) throw Object.assign(new Error(`Another page was first: the document is at revision ${this.revision}, and this was meant for ${request.revision}; look at what it is now, and do it again`), { status: 'stale' });
+    const before = { document: this.document, at: this.at, history: this.history };
     step();
+    if (request.do === 'apply' && JSON.stringify(this.document) === JSON.stringify(before.document)) { // no change is no step
+      Object.assign(this, { at: before.at, history: before.history });
+      return answer({ revision: this.revision });
+    }
     this.revision += 1;
     this.tell(this.event());
     answer({ revision: this.revision });
     this.sendView();
     if (this.automatic && this.shown !== JSON.stringify(solidPart(this.document))) this.build(++this.jobs, 'solid');
+  }
+
+  save({ file = 'kiwi.pith', force }) {
+    if (file !== 'kiwi.pith') {
+      if (this.documents.includes(file) && !force) throw new Error(`file: there is a file ${file} already; force replaces it`);
+      this.documents.push(file);
+      return;
+    }
+    if (this.changedOnDisk && !force) throw Object.assign(new Error('kiwi.pith was changed or removed by somebody else since it was read; save with force to replace it, or revert to it'), { status: 'changed on disk' });
+    this.savedAt = this.document;
+    this.recovered = false;
+  }
+
+  filesOf(kind) {
+    const own = (path) => ({ path, name: path.split('/').pop(), shipped: false });
+    if (kind === 'document') return this.documents.map(own);
+    if (kind !== 'recipe') return [];
+    return [own('exemplars/kiwi.json'), ...this.broken.map(own), ...recipes.map((name) => ({ path: `exemplars/${name}.json`, name, shipped: true }))];
   }
 
   state() {
@@ -158,7 +185,7 @@ export class Fake {
                why: lacks ? `solids[0]: type ${type} needs a ${lacks} field; give the body "${lacks}", or take another type` : null };
     });
     return { revision: this.revision, document, name: this.history[this.at].name, undo: this.history.slice(1, this.at + 1).map((step) => step.name).reverse(),
-             redo: this.history.slice(this.at + 1).map((step) => step.name), saved: this.savedAt === document, recovered: this.recovered, bodies };
+             redo: this.history.slice(this.at + 1).map((step) => step.name), saved: this.savedAt === document, recovered: this.recovered, bodies, view: { why: this.viewWhy } };
   }
 
   event() { return { event: 'document', by: 1, ...this.state() }; }
@@ -214,14 +241,7 @@ export class Fake {
 /* What a build depends on: everything but cuts, camera and pictures. */
 function solidPart({ cuts, parts, camera, render, volume, title, ...rest }) { return rest; }
 
-function filesOf(kind) {
-  const recipes = ['kiwi', 'watermelon', 'sponge', 'muscle', 'flattened', 'carrot', 'cherry', 'tree', 'limestone'];
-  if (kind === 'recipe') {
-    return [{ path: 'exemplars/kiwi.json', name: 'kiwi', shipped: false },
-            ...recipes.map((name) => ({ path: `exemplars/${name}.json`, name, shipped: true }))];
-  }
-  return [];
-}
+const recipes = ['kiwi', 'watermelon', 'sponge', 'muscle', 'flattened', 'carrot', 'cherry', 'tree', 'limestone'];
 
 /* ---- frames of RFC 6455 ------------------------------------------------------------------------------------------ */
 

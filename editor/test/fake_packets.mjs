@@ -72,11 +72,14 @@ export function meridians({ id }) {
   return packet({ kind: 'lines', id }, { positions: ['f32', points], start: ['u32', start], depth: ['f32', Array(points.length / 3).fill(0.2)], part: ['u32', Array(start.length - 1).fill(0)] });
 }
 
+/* A plane beyond everything that keeps what lies beyond it. */
+const leavesNothing = ({ plane, keep }) => keep === 'positive' && plane?.point.some((x) => x > 50);
+
 /** Two halves of every body while there are cuts that keep both sides, else one part of each. */
 export function sphereView(document, revision, serial) {
   const bodies = document.bodies ?? [document], halves = (document.cuts ?? []).some((cut) => (cut.keep ?? 'both') === 'both') ? 2 : 1;
   const parts = [], points = [], corners = [], normals = [], faces = [];
-  bodies.forEach((_, body) => {
+  if (!(document.cuts ?? []).some(leavesNothing)) bodies.forEach((_, body) => {
     for (let half = 0; half < halves; ++half) {
       const first = corners.length / 3, base = points.length / 3;
       positions.forEach((x, i) => points.push(i % 3 === 0 ? x + 2.4 * body : x));

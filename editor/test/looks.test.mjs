@@ -122,6 +122,18 @@ function cutOff() {
   return found;
 }
 
+/* Controls of the top bar that lie over one another. Runs in the page. */
+function crossed() {
+  const all = [...document.querySelectorAll('.topbar button, .topbar label, .topbar .progress')].filter((each) => each.checkVisibility()), found = [];
+  const said = (element) => element.getAttribute('aria-label') ?? element.textContent;
+  all.forEach((one, i) => all.slice(i + 1).forEach((other) => {
+    const a = one.getBoundingClientRect(), b = other.getBoundingClientRect();
+    const over = Math.min(a.right, b.right) - Math.max(a.left, b.left) > 0.5 && Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top) > 0.5;
+    if (over) found.push(`${said(one)} and ${said(other)}`);
+  }));
+  return found.concat(all.filter((each) => each.getBoundingClientRect().width < 8).map((each) => `${said(each)} has no width`));
+}
+
 describe('looks', { timeout: 900000 }, () => {
   afterEach(async () => { await opened?.close(); opened = undefined; });
   after(closeBrowser);
@@ -154,6 +166,52 @@ describe('looks', { timeout: 900000 }, () => {
     await inspector.waitFor();
     assert.equal((await page.locator('.stage').boundingBox()).width, stage.width, 'the view keeps its width');
     assert.deepEqual(await page.evaluate(cutOff), []);
+  });
+
+  const working = [{ event: 'job', job: 99, what: 'solid', state: 'running', fraction: 0.4, text: 'Filling with patches' }];
+
+  for (const touch of [false, true]) {
+    test(`no two controls of the top bar ${touch ? 'of a touch screen ' : ''}lie over one another, however narrow the window`, async () => {
+      opened = await openFake(example('kiwi', (document) => { document.title = 'A kiwi with a rather long title'; }), { touch });
+      const { page } = opened;
+      for (const width of [320, 400, 560, 640, 720, 800, 820, 900, 1024, 1280]) {
+        await page.setViewportSize({ width, height: 700 });
+        for (const jobs of [[], working]) {
+          await choose(page, { jobs });
+          assert.deepEqual(await page.evaluate(crossed), [], `${width} pixels wide, ${jobs.length} jobs`);
+          assert.deepEqual(await page.evaluate(cutOff), [], `${width} pixels wide, ${jobs.length} jobs`);
+        }
+      }
+    });
+  }
+
+  test('the options of every tool lie inside the view of a narrow window', async () => {
+    opened = await openFake(example('kiwi', twoCuts), { width: 400, height: 700 });
+    const { page } = opened;
+    for (const width of [320, 400, 640]) {
+      await page.setViewportSize({ width, height: 700 });
+      for (const tool of ['cut', 'plane', 'fill', 'face', 'depth', 'points', 'direction', 'paste']) {
+        await choose(page, { tool });
+        const beyond = await page.evaluate(() => {
+          const bar = document.querySelector('.tool-options'), { left, right } = bar.getBoundingClientRect();
+          return [...bar.querySelectorAll('button, input, select, .number-box')].map((each) => [each, each.getBoundingClientRect()])
+            .filter(([, box]) => box.left < left || box.right > right).map(([each, box]) => `${each.outerHTML.slice(0, 90)} at ${box.left} to ${box.right} of ${left} to ${right}`);
+        });
+        assert.deepEqual(beyond, [], `${tool} at ${width}`);
+        assert.deepEqual(await page.evaluate(cutOff), [], `${tool} at ${width}`);
+      }
+    }
+  });
+
+  test('what is said of the connection leaves the options of the tool free', async () => {
+    opened = await openFake(example('kiwi'), { width: 800 });
+    const { page } = opened;
+    for (const connection of ['lost', 'gone', 'refused']) {
+      await choose(page, { tool: 'cut', connection });
+      const banner = await page.locator('.banner.of-connection').boundingBox(), bar = await page.locator('.tool-options').boundingBox();
+      assert.ok(bar.y >= banner.y + banner.height, `${connection}: the banner ends at ${banner.y + banner.height}, the bar begins at ${bar.y}`);
+    }
+    await choose(page, { connection: 'open' });
   });
 
   test('fingers find targets of 36 pixels or more', async () => {

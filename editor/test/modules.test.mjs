@@ -20,6 +20,24 @@ function numbersOf(node, path = '', found = []) {
   return found;
 }
 
+test('what the server says is put to people as sentences', async () => {
+  const { sentence } = await load('sentences');
+  const said = [
+    ['revision: is 2, but the document is at 3; another page was first', 'stale', 'Another page changed the document first; it is shown now.'],
+    ['There is nothing to undo: this is the first step there is', 'bad argument', 'There is nothing to undo.'],
+    ['There is nothing to do again: this is the last step there is', 'bad argument', 'There is nothing to redo.'],
+    ['file: the name is ".a.pith", expected 1 to 200 bytes', 'bad argument', 'The name is ".a.pith", expected 1 to 200 bytes.'],
+    ['file: there is a file tree.pith already; force replaces it', 'bad argument', 'There is a file tree.pith already.'],
+    ['name: there is a file plum.json already, and it is not replaced; choose another name', 'bad argument', 'There is a file plum.json already.'],
+    ['file: is "tree.txt", expected a name that ends with .pith', 'bad argument', 'The file is "tree.txt", expected a name that ends with .pith.'],
+    ['job: no job 3 is waiting or running', 'bad argument', 'That had ended already.'],
+    ['kiwi.pith: cannot be written: No space left on device', 'input/output error', 'kiwi.pith: cannot be written: No space left on device.'],
+    ['solids[0]: angle_limit: is 100, expected 5 to 85', 'bad argument', 'solids[0]: angle_limit: is 100, expected 5 to 85.'],
+    ['The connection to pith was lost.', 'lost', 'The connection to pith was lost.'],
+  ];
+  for (const [message, status, sentenced] of said) assert.equal(sentence(message, status), sentenced);
+});
+
 test('a slider reaches both ends of every range of the schema, its default, and never leaves it', async () => {
   const { travel } = await load('ui/numbers');
   let tried = 0;

@@ -21,10 +21,16 @@ export async function openFake(document, { width = 1280, height = 800, theme = '
   page.on('pageerror', (error) => problems.push(String(error)));
   page.on('console', (message) => { if (message.type() === 'error') problems.push(message.text()); });
   await page.addInitScript((hints) => { if (!hints) localStorage.setItem('pith.hints', 'seen'); }, hints);
-  await page.goto(server.address);
-  await page.waitForFunction(() => globalThis.pith?.store.state.connection === 'open' && globalThis.pith.viewport.view);
-  await settle(page);
-  return { page, problems, fake: server.fake, async close() { await context.close(); await server.stop(); } };
+  const close = async () => { await context.close(); await server.stop(); };
+  try {
+    await page.goto(server.address);
+    await page.waitForFunction(() => globalThis.pith?.store.state.connection === 'open' && globalThis.pith.viewport.view);
+    await settle(page);
+  } catch (reason) {
+    await close();                    // a server left behind would keep the tests from ending
+    throw reason;
+  }
+  return { page, problems, server, fake: server.fake, close };
 }
 
 /** Until what was asked for has been answered and shown. */

@@ -92,7 +92,7 @@ describe('the page', { timeout: 600000 }, () => {
     fake.revision += 1; // as if another page had been first
     await field.fill('30');
     await page.keyboard.press('Enter');
-    await page.getByText('Another page was first.').waitFor();
+    await page.getByText('Another page changed the document first; it is shown now.').waitFor();
     assert.equal(await field.inputValue(), '85');
   });
 
@@ -298,19 +298,161 @@ describe('the page', { timeout: 600000 }, () => {
     await page.locator('.saved[data-saved=false]').waitFor();
     fake.changedOnDisk = true;
     await page.keyboard.press('Control+s');
-    await page.locator('dialog .button.danger').click();
+    await page.locator('dialog').getByText('Save anyway', { exact: true }).click();
     await page.locator('.saved[data-saved=true]').waitFor();
     assert.deepEqual(fake.asked.filter((request) => request.do === 'save').map((request) => request.force ?? false), [false, true]);
+    await page.keyboard.press('Control+s');
+    await page.locator('dialog').getByText('Revert to the file', { exact: true }).click();
+    await eventually('it went back', () => fake.asked.some((request) => request.do === 'revert'));
+    await settle(page);
+    fake.documents = [];              // somebody has removed the file
+    await page.keyboard.press('Control+s');
+    await page.locator('dialog').getByText('is not where it was').waitFor();
+    assert.deepEqual(await page.locator('dialog footer button').allTextContents(), ['Cancel', 'Save anyway']);
+    await page.keyboard.press('Escape');
+  });
+
+  test('a copy is saved under another name, which is said; what is refused is said beside the field', async () => {
+    const { page, fake } = await open();
+    const saves = () => fake.asked.filter((request) => request.do === 'save').map(({ file, force }) => ({ file, force }));
+    await page.keyboard.press('Control+Shift+S');
+    const dialog = page.locator('dialog[open]'), field = dialog.locator('input'), objection = dialog.locator('.objection');
+    assert.equal(await field.inputValue(), 'kiwi.pith');
+    await field.fill('  ');
+    await page.keyboard.press('Enter');
+    await objection.getByText('Type a name for the file.').waitFor();
+    assert.deepEqual(saves(), []);
+    await field.fill('tree');
+    await page.keyboard.press('Enter');
+    await objection.getByText('There is a file tree.pith already.').waitFor();
+    assert.equal(await field.inputValue(), 'tree', 'the typed name is still there');
+    await dialog.getByText('Replace', { exact: true }).click();
+    await dialog.waitFor({ state: 'detached' });
+    await page.locator('.message', { hasText: 'Saved tree.pith' }).waitFor();
+    assert.deepEqual(saves(), [{ file: 'tree.pith', force: undefined }, { file: 'tree.pith', force: true }]);
+    await page.keyboard.press('Control+Shift+S');
+    await field.fill('plum.pith');
+    await page.keyboard.press('Enter');
+    await page.locator('.message', { hasText: 'Saved plum.pith' }).waitFor();
+    assert.equal(await page.evaluate(() => globalThis.pith.store.state.file), 'kiwi.pith');
+  });
+
+  test('what would change nothing is no step', async () => {
+    const { page, fake } = await open();
+    await page.locator(key('solids[0].blend=variance')).click();
+    await eventually('blend was set', () => fake.document.solids[0].blend === 'variance');
+    await settle(page);
+    await page.locator(key('solids[0].blend=variance')).click();
+    await page.keyboard.press('Control+z');
+    await eventually('it was undone', () => !fake.document.solids[0].blend);
+    await settle(page);
+    await page.locator('canvas').first().focus();
+    await page.keyboard.press('Alt+h');
+    await page.locator('.message', { hasText: 'Nothing is hidden.' }).waitFor();
+    await page.keyboard.press('Control+Shift+Z');
+    await eventually('it was redone', () => fake.document.solids[0].blend === 'variance');
+    // A part that is just being hidden is shown again, though the page does not know yet that it is hidden.
+    await page.evaluate(() => { globalThis.pith.store.set({ part: 0 }); globalThis.pith.commands.run('hide'); globalThis.pith.commands.run('show-all'); });
+    await eventually('it is shown', () => fake.document.parts?.[0].hidden === false);
+  });
+
+  test('cuts that leave nothing say so and can be undone; so do hidden parts', async () => {
+    const { page, fake } = await open();
+    const cut = { op: 'cut.plane', plane: { point: [100, 0, 0], normal: [1, 0, 0] }, keep: 'positive' };
+    await choose(page, { tool: 'cut' });
+    await page.evaluate((cut) => globalThis.pith.actions.apply('Cut', [cut]), cut);
+    const card = page.locator('.stage-card');
+    await card.getByText('The cuts leave nothing of the model.').waitFor();
+    assert.equal(await page.locator('[data-section=parts] .empty').textContent(), 'The cuts leave nothing.');
+    await card.getByText('Undo', { exact: true }).click();
+    await card.waitFor({ state: 'detached' });
+    assert.equal(fake.document.cuts.length, 1);
+    await page.evaluate(() => { globalThis.pith.store.set({ part: 0 }); globalThis.pith.commands.run('hide'); });
+    await card.getByText('All parts are hidden.').waitFor();
+    await card.getByText('Show all parts', { exact: true }).click();
+    await card.waitFor({ state: 'detached' });
   });
 
   test('a lost connection is said, found again, and the page goes on', async () => {
     const { page, fake, problems } = await open();
     fake.drop();
-    await page.locator('.banner', { hasText: 'lost' }).waitFor();
-    await page.locator('.banner').waitFor({ state: 'hidden' });
+    await page.locator('.banner.of-connection', { hasText: 'lost' }).waitFor();
+    await page.locator('.banner.of-connection').waitFor({ state: 'hidden' });
     await page.locator(key('solids[0].blend=variance')).click();
     await eventually('a change went through', () => fake.document.solids[0].blend === 'variance');
     problems.length = 0; // the browser reports the broken socket
+  });
+
+  test('a server that has ended is told from one of another run', async () => {
+    const { page, fake, problems, server } = await open();
+    const banner = page.locator('.banner.of-connection'), port = Number(new URL(server.address).port);
+    await server.stop();
+    await banner.getByText('“pith edit” is not running; start it again').waitFor();
+    await page.waitForTimeout(6000);   // as long as it used to take to be called an earlier run
+    assert.match(await banner.textContent(), /is not running/);
+    await server.start(port);
+    await banner.waitFor({ state: 'hidden' });
+    await settle(page);
+    fake.token = 'another';
+    fake.drop();
+    await banner.getByText('This page belongs to an earlier run').waitFor();
+    problems.length = 0;
+  });
+
+  test('that the view is not what the document says is said as long as it holds', async () => {
+    const { page, fake } = await open();
+    fake.viewWhy = 'cuts[1]: the stroke does not reach across the model';
+    fake.tell(fake.event());
+    const banner = page.locator('.banner.of-view', { hasText: 'does not reach across the model.' });
+    await banner.waitFor();
+    fake.viewWhy = null;
+    fake.tell({ event: 'bodies', revision: fake.revision, bodies: fake.state().bodies, view: { why: null } });
+    await banner.waitFor({ state: 'hidden' });
+  });
+
+  test('a message goes away after the focus has left it', async () => {
+    const { page } = await open();
+    await page.clock.install();
+    await page.evaluate(() => globalThis.pith.messages.say('Soup.'));
+    const message = page.locator('.message', { hasText: 'Soup.' });
+    await message.locator('button').focus();
+    await page.clock.runFor(20000);
+    assert.equal(await message.count(), 1, 'it stays while it has the focus');
+    await page.locator('canvas').first().focus();
+    await page.clock.runFor(20000);
+    assert.equal(await message.count(), 0);
+  });
+
+  test('a drag from the options of a tool selects no words', async () => {
+    const { page } = await open();
+    await choose(page, { tool: 'cut' });
+    const bar = await page.locator('.tool-options').boundingBox();
+    await page.mouse.move(bar.x + 4, bar.y + 4);
+    await page.mouse.down();
+    await page.mouse.move(bar.x + bar.width - 6, bar.y + bar.height - 4, { steps: 5 });
+    await page.mouse.up();
+    assert.equal(await page.evaluate(() => String(getSelection())), '');
+  });
+
+  test('the depth view of a body without depth says that there is none', async () => {
+    const { page } = await open(example('sponge'));
+    await choose(page, { mode: 'depth' });
+    await page.locator('.depth-scale').getByText('This body has no depth.').waitFor();
+    assert.equal(await page.locator('.scale-track').isVisible(), false);
+    await choose(page, { mode: 'solid' });
+    assert.equal(await page.locator('.depth-scale').isVisible(), false);
+  });
+
+  test('among the types of one kind the exemplar is offered too', async () => {
+    const { page, fake } = await open(example('sponge'));
+    await page.keyboard.press('y');
+    await page.locator('.type-option', { has: page.getByText('Fibres', { exact: true }) }).click();
+    const swap = page.locator('.check-label', { hasText: 'muscle' });
+    await swap.waitFor();
+    assert.equal(await swap.locator('input').isChecked(), true);
+    await page.locator('dialog .button.main').click();
+    await eventually('the type was set', () => fake.document.solids[0].type === '0-B');
+    assert.deepEqual(fake.document.solids[0].exemplar, { recipe: 'exemplars/muscle.json' });
   });
 
   test('pictures are taken, shown and looked from again', async () => {
@@ -339,6 +481,29 @@ describe('the page', { timeout: 600000 }, () => {
     await eventually('it is used', () => fake.document.solids[0].exemplar.recipe === 'plum.json');
     const put = fake.asked.find((request) => request.do === 'file.put');
     assert.deepEqual([put.name, put.bytes.toString()], ['plum.json', '{"stops": []}']);
+  });
+
+  test('an exemplar that cannot be read is not taken, and why is said', async () => {
+    const { page, fake } = await open();
+    fake.broken = ['broken.json'];
+    const why = /line 3: ',' expected near 'stops'/;
+    const drop = (selector) => page.evaluate((selector) => {
+      const dropped = new DataTransfer();
+      dropped.items.add(new File(['{'], 'broken.json', { type: 'application/json' }));
+      document.querySelector(selector).dispatchEvent(new DragEvent('drop', { dataTransfer: dropped, bubbles: true, cancelable: true }));
+    }, selector);
+    await drop('.stage');
+    await page.locator('.message', { hasText: 'broken.json is beside the document' }).getByText('Use it').click();
+    await page.locator('.message', { hasText: why }).waitFor();
+    await page.locator(key('replace')).click();
+    const card = page.locator('.file', { hasText: 'broken' });
+    await card.locator('.file-why', { hasText: why }).waitFor();
+    await card.dispatchEvent('click');
+    await drop('.drop');
+    await page.locator('dialog .objection', { hasText: why }).waitFor();
+    assert.equal(applied(fake).length, 0);
+    await page.locator('.file', { hasText: 'cherry' }).click();
+    await eventually('another is taken', () => fake.document.solids[0].exemplar.recipe === 'exemplars/cherry.json');
   });
 
   test('first steps are shown once', async () => {

@@ -51,7 +51,7 @@ describe('tools', { timeout: 600000 }, () => {
     const { page, fake, at } = await open('kiwi', 'fill', { paint: 0.5 });
     fake.revision += 1;
     await click(page, ...at(0, 0));
-    await page.getByText('Another page was first.').waitFor();
+    await page.getByText('Another page changed the document first; it is shown now.').waitFor();
     assert.equal(await page.evaluate(() => globalThis.pith.viewport.meshes.get(0).painted.filter((each) => each === 0.5).length), 0);
   });
 
@@ -176,6 +176,57 @@ describe('tools', { timeout: 600000 }, () => {
     // Its depth axis goes in where it stands, its other axis lies across.
     assert.ok(up[1] > 0.95, `up is ${up}`);
     assert.ok(Math.abs(up[0] * t[0] + up[1] * t[1] + up[2] * t[2]) < 1e-5);
+  });
+
+  test('the gap of cuts that keep both sides is that of the uncut model, however far its pieces lie apart', async () => {
+    const { page, fake, at } = await open('kiwi', 'cut', { keep: 'both' });
+    await page.evaluate(() => globalThis.pith.actions.apply('Cut', [{ op: 'cut.plane', plane: { point: [0, 0, 0], normal: [0, 0, 1] }, keep: 'both', gap: 40 }]));
+    await settle(page);
+    await drag(page, [at(0, -0.4), at(0.02, 0.4)], { steps: 12 });
+    await eventually('the cut was asked for', () => applied(fake).length === 2);
+    const diagonal = Math.hypot(2, 2, 2.5);
+    const little = (gap) => assert.ok(Math.abs(gap - 0.12 * diagonal) < 0.002 * diagonal, `a gap of ${gap} in a model of ${diagonal}`);
+    little(operations(fake)[1].gap);
+    await choose(page, { tool: 'plane' });
+    await page.getByText('Cut, keep both').click();
+    await eventually('the plane was asked for', () => applied(fake).length === 3);
+    little(operations(fake)[2].gap);
+  });
+
+  test('the clip plane stays within the model, and is in its middle again when what it stood in is gone', async () => {
+    const { page, fake } = await open('kiwi', 'plane');
+    const along = () => fake.asked.findLast((request) => request.do === 'section').plane.point[1];
+    const wheel = async (delta, count) => { for (let i = 0; i < count; ++i) await page.mouse.wheel(0, delta); await settle(page); };
+    const box = await viewBox(page);
+    await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+    await page.keyboard.down('Shift');
+    await wheel(-100, 150);
+    const near = along();
+    assert.ok(Math.abs(near) > 0.9 && Math.abs(near) < 1, `held at ${near} of 1`);
+    await wheel(100, 300);
+    assert.ok(Math.abs(along() + near) < 1e-6, `${near} and ${along()} are as far from the middle`);
+    await page.keyboard.up('Shift');
+    await choose(page, { tool: 'select' });
+    // The model is another one meanwhile, further on.
+    await page.evaluate(() => { const { together } = globalThis.pith.viewport.view; together.min.y += 10; together.max.y += 10; });
+    await choose(page, { tool: 'plane' });
+    await eventually('it is in the middle', () => Math.abs(along() - 10) < 1e-6);
+  });
+
+  test('Enter cuts after a button of the clip plane, and the volume view gives way to it', async () => {
+    const { page, fake } = await open('kiwi', 'select', { mode: 'volume' });
+    await choose(page, { tool: 'plane' });
+    const mode = () => page.evaluate(() => globalThis.pith.store.state.mode);
+    assert.equal(await mode(), 'solid');
+    await page.locator('.tool-options').getByText('X', { exact: true }).click();
+    await page.keyboard.press('Enter');
+    await eventually('it was cut', () => operations(fake).length === 1);
+    const { op, plane, keep } = operations(fake)[0];
+    assert.deepEqual([op, plane.normal.map(Math.abs), keep], ['cut.plane', [1, 0, 0], 'negative']);
+    await eventually('the volume is back', async () => await mode() === 'volume');
+    await choose(page, { tool: 'plane' });
+    await choose(page, { mode: 'volume' });
+    await page.locator('.message', { hasText: 'does not show the clip plane' }).waitFor();
   });
 
   test('the row of a stroke marks it in the view', async () => {

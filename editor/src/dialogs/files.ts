@@ -1,11 +1,10 @@
 // The dialog of exemplars: those in the document's folder, those shipped, and files that are dropped in.
 
 import { setValue, type App } from '../app';
-import { Refusal } from '../connection';
 import type { Json } from '../protocol';
 import { solidOf } from '../store';
 import { button } from '../ui/controls';
-import { fill, h } from '../ui/dom';
+import { fill, h, set } from '../ui/dom';
 import { openDialog } from '../ui/dialog';
 import { icon } from '../ui/icons';
 import { Cube, exemplarName } from '../panels/exemplars';
@@ -26,13 +25,24 @@ export function takeDroppedFiles(app: App): void {
     for (const file of event.dataTransfer?.files ?? []) {
       const path = await upload(app, file), solid = solidOf(app.store.state);
       if (!path) continue;
-      const use = /\.(json|nrrd)$/i.test(path) && solid?.json.kind === 'lapped' ? { label: 'Use it', run: () => {
-        const exemplar = exemplarOf({ path, kind: kindOf(path) });
-        void setValue(app, `Take ${exemplarName(exemplar)}`, `${solid.place}.exemplar`, exemplar);
-      } } : undefined;
+      const use = /\.(json|nrrd)$/i.test(path) && solid?.json.kind === 'lapped'
+        ? { label: 'Use it', run: () => void useDropped(app, path, solid.place) } : undefined;
       app.messages.say(`${path} is beside the document now.`, 'done', use);
     }
   });
+}
+
+async function useDropped(app: App, path: string, place: string): Promise<void> {
+  const exemplar = exemplarOf({ path, kind: kindOf(path) }), why = await obstacle(app, exemplar);
+  if (why) app.actions.complain(cannotBeUsed(path, why));
+  else await setValue(app, `Take ${exemplarName(exemplar)}`, `${place}.exemplar`, exemplar);
+}
+
+const cannotBeUsed = (path: string, why: string): string => `${path} cannot be used. ${why}`;
+
+/* Why the server cannot read an exemplar; null when it can. */
+function obstacle(app: App, exemplar: Json): Promise<string | null> {
+  return app.model.exemplar({ exemplar }).then(() => null, (reason: Error) => reason.message);
 }
 
 /** Opens the dialog; `chosen` is told what was taken, as a document writes it. */
@@ -52,14 +62,18 @@ export function exemplarDialog(app: App, title: string, chosen: (exemplar: Json)
     void take(event.dataTransfer?.files ?? null);
   });
 
+  const why = h('p', { class: 'objection', role: 'alert' });
   const use = (entry: { path: string; kind: string }): void => { close(); chosen(exemplarOf(entry)); };
   async function take(files: FileList | null): Promise<void> {
     const file = files?.[0];
     if (!file) return;
     const path = await upload(app, file);
-    if (path) use({ path, kind: kindOf(path) });
+    if (!path) return;
+    const entry = { path, kind: kindOf(path) }, refused = await obstacle(app, exemplarOf(entry));
+    if (refused) why.textContent = cannotBeUsed(path, refused);
+    else use(entry);
   }
-  const close = openDialog({ title, body: [drop, lists], class: 'wide' });
+  const close = openDialog({ title, body: [drop, why, lists], class: 'wide' });
   void load(app).then((entries) => fill(lists,
     group(app, 'In the document’s folder', entries.filter((each) => !each.shipped), use),
     group(app, 'Shipped with pith', entries.filter((each) => each.shipped), use)),
@@ -79,7 +93,7 @@ export async function upload(app: App, file: File): Promise<string | null> {
       new Uint8Array(await file.arrayBuffer()));
     return path as string;
   } catch (reason) {
-    app.actions.complain(reason instanceof Refusal ? reason.message : String(reason));
+    app.actions.complain((reason as Error).message);
     return null;
   }
 }
@@ -90,16 +104,23 @@ function group(app: App, name: string, entries: Entry[], use: (entry: Entry) => 
     h('ul', { class: 'file-list' }, entries.map((entry) => h('li', null, card(app, entry, use)))));
 }
 
-/* A file's cube is asked for when it comes into sight; a refusal is what its tooltip says then. */
+/* A file's cube is asked for when it comes into sight. One that cannot be read says why in its place, and is not taken. */
 function card(app: App, entry: Entry, use: (entry: Entry) => void): HTMLButtonElement {
   const cube = new Cube(app, 64), exemplar = exemplarOf(entry);
-  const made = h('button', { type: 'button', class: 'file', onclick: () => use(entry), 'data-tip': entry.path },
-    cube.canvas, h('span', null, exemplarName(exemplar)));
-  const seen = new IntersectionObserver(async ([at]) => {
+  let asked: Promise<string | null> | null = null;
+  const ask = (): Promise<string | null> => (asked ??= cube.show({ exemplar }, null).then((refused) => {
+    if (!refused) return null;
+    set(made, 'aria-disabled', true);
+    made.dataset.tip = refused;
+    cube.canvas.replaceWith(h('span', { class: 'file-why' }, refused));
+    return refused;
+  }));
+  const made = h('button', { type: 'button', class: 'file', 'data-tip': entry.path,
+    onclick: async () => { if (!await ask()) use(entry); } }, cube.canvas, h('span', null, exemplarName(exemplar)));
+  const seen = new IntersectionObserver(([at]) => {
     if (!at.isIntersecting) return;
     seen.disconnect();
-    const refused = await cube.show({ exemplar }, null);
-    if (refused) made.dataset.tip = refused;
+    void ask();
   });
   seen.observe(cube.canvas);
   return made;

@@ -14,7 +14,7 @@ import { computedCard, computedOf, computedOperations, computedTable } from './c
 
 interface Shipped { path: string; name: string; shipped: boolean }
 
-const isCalled = (file: Shipped, exemplar: string): boolean => file.path.split('/').pop() === `${exemplar}.json`;
+const isCalled = (path: string | undefined, exemplar: string): boolean => path?.split('/').pop() === `${exemplar}.json`;
 
 /** Opens the dialog for the chosen body. */
 export function typeDialog(app: App): void {
@@ -25,18 +25,20 @@ export function typeDialog(app: App): void {
   const note = h('div', { class: 'type-note', 'aria-live': 'polite' }),
     act = button('', () => void use(), { look: 'main' });
   const cards = typeTable.map((facts) => card(app, facts.type,
-    () => { chosen = facts.type; swap = suits(facts.type) === false || !before; refresh(); }));
+    () => { chosen = facts.type; swap = !before || !suits(facts.type); refresh(); }));
   const grid = h('div', { class: 'type-cards', role: 'radiogroup', 'aria-label': 'Texture type' }, cards);
   const computed = computedTable.map((each) => computedCard(each, () => { chosen = each.name; refresh(); }));
   const computedGrid = h('div', { class: 'type-cards', role: 'radiogroup', 'aria-label': 'Computed texture' }, computed);
   grid.addEventListener('keydown', (event) => rove(event, cards));
   computedGrid.addEventListener('keydown', (event) => rove(event, computed));
 
-  /* Types 0 want exemplars that tile in depth too; null where nobody knows without asking. */
-  function suits(type: string): boolean | null {
-    const layered = solid?.exemplar?.layered;
-    if (!before || before[0] === type[0]) return true;
-    return layered ? Boolean(layered.homogeneous) === (type[0] === '0') : false;
+  /* Does the present exemplar suit a type? Types 0 want exemplars that tile in depth too, and each of them another; one
+     that was made for layers shows something in both types 1. */
+  function suits(type: string): boolean {
+    const { layered, recipe } = solid?.exemplar ?? {};
+    if (!before || before === type) return true;
+    if (before[0] !== type[0]) return layered ? Boolean(layered.homogeneous) === (type[0] === '0') : false;
+    return type[0] === '1' || !isCalled(recipe, typeFacts(before)!.exemplar);
   }
 
   /* One of all cards is taken; each group can be reached. */
@@ -58,12 +60,12 @@ export function typeDialog(app: App): void {
     }
     const facts = typeFacts(chosen)!, needs = state.types[chosen], present = presentIn(bodyJson(state));
     const adds = needKeys(needs).filter((need) => !present[need]).map((need) => needWords[need]);
-    const offer = recipes.find((each) => isCalled(each, facts.exemplar));
+    const offer = recipes.find(({ path }) => isCalled(path, facts.exemplar));
     fill(note,
       adds.length > 0 && h('p', null, icon('plus', 16),
         `Adds ${words(adds)} to start from; you can change ${adds.length > 1 ? 'them' : 'it'} afterwards.`),
-      before && offer && !suits(chosen) && swapChoice(facts.exemplar, exemplarName(solid!.exemplar), swap,
-        (on) => { swap = on; }),
+      before && before !== chosen && offer && offer.path !== solid?.exemplar?.recipe
+        && swapChoice(facts.exemplar, exemplarName(solid!.exemplar), swap, (on) => { swap = on; }),
       !before && offer && h('p', null, icon('image', 16),
         `Starts with the exemplar “${exemplarName({ recipe: offer.path })}”.`));
     act.replaceChildren(h('span', { class: 'button-label' }, before === chosen ? 'Keep' : `Use type ${chosen}`));
@@ -82,7 +84,7 @@ export function typeDialog(app: App): void {
       close();
       return compute();
     }
-    const facts = typeFacts(chosen)!, offer = recipes.find((each) => isCalled(each, facts.exemplar));
+    const facts = typeFacts(chosen)!, offer = recipes.find(({ path }) => isCalled(path, facts.exemplar));
     close();
     if (chosen === before) return;
     try {
@@ -107,7 +109,7 @@ function swapChoice(suited: string, name: string, on: boolean, choose: (on: bool
   const box = h('input', { type: 'checkbox', class: 'check', onchange: () => choose(box.checked) });
   box.checked = on;
   return h('label', { class: 'check-label' }, box,
-    `Take the exemplar “${suited}”; “${name}” was made for the other kind`);
+    `Take the exemplar “${suited}” instead of “${name}”`);
 }
 
 function card(app: App, type: string, choose: () => void): HTMLButtonElement {

@@ -83,12 +83,12 @@ function partsSection(context: Context): HTMLElement {
   part.body.append(rows, pull);
   live(store, rows, ['serial', 'part', 'bodies', 'document'], (state) => ({
     parts: app.model.parts.map((each) => ({ hidden: each.hidden, body: each.body })), picked: state.part,
-    names: partNames(app),
+    names: partNames(app), cut: (state.document.cuts ?? []).length > 0,
     moved: anyMoved(state.document),
-  }), ({ parts, picked, names, moved }) => {
+  }), ({ parts, picked, names, moved, cut }) => {
     setNote(part, parts.length ? String(parts.length) : null);
     pull.hidden = parts.length < 2;
-    if (parts.length === 0) return empty('There is nothing to see yet.');
+    if (parts.length === 0) return empty(cut ? 'The cuts leave nothing.' : 'There is nothing to see yet.');
     const hidden = parts.filter((each) => each.hidden).length;
     return [list('Parts', parts.map((each, i) => listRow({
       icon: 'solid', text: names[i], chosen: picked === i, key: `part ${i}`, detail: each.hidden ? 'hidden' : undefined,

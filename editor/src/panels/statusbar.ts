@@ -24,7 +24,7 @@ export function statusbar({ app }: Context): HTMLElement {
     facts.textContent = parts.join('  ·  ');
     link.dataset.state = connection;
     link.lastElementChild!.textContent = { connecting: 'Connecting', open: 'Connected', lost: 'Lost',
-      refused: 'Closed' }[connection];
+      gone: 'Not running', refused: 'Closed' }[connection];
   };
   store.on(['hint', 'serial', 'connection'], refresh);
   store.on(['jobs'], () => {

@@ -69,6 +69,8 @@ function planeOptions({ app }: Context): Child[] {
   const plane = app.toolbox.get('plane') as unknown as Plane | undefined;
   if (!plane) return [];
   const { camera, target } = app.viewport.table;
+  // Enter, pressed next, is to cut, not to press the same button once more.
+  const then = (act: () => void) => (): void => { act(); app.viewport.canvas.focus({ preventScroll: true }); };
   const towards = (axis: 'x' | 'y' | 'z') => (): void => {
     const eye = camera.position.clone().sub(target), normal = eye.clone().set(0, 0, 0);
     normal[axis] = Math.sign(eye[axis]) || 1;
@@ -76,10 +78,10 @@ function planeOptions({ app }: Context): Child[] {
   };
   return [
     labelled('Across', h('div', { class: 'pair' }, (['x', 'y', 'z'] as const).map((axis) =>
-      button(axis.toUpperCase(), towards(axis), { tip: `Across the ${axis} axis`, class: 'square' })))),
-    button('Facing me', () => plane.turn(camera.position.clone().sub(target)),
+      button(axis.toUpperCase(), then(towards(axis)), { tip: `Across the ${axis} axis`, class: 'square' })))),
+    button('Facing me', then(() => plane.turn(camera.position.clone().sub(target))),
       { tip: 'Turn the plane to face the eye' }),
-    iconButton('flip', 'Other side', () => plane.flip()),
+    iconButton('flip', 'Other side', then(() => plane.flip())),
     button('Cut', () => plane.commit('negative'), { look: 'main', icon: 'cut', keys: 'Enter',
       tip: 'Cut here; what the arrow points to goes' }),
     button('Cut, keep both', () => plane.commit('both'), { icon: 'both', tip: 'Cut here; both sides stay, apart' }),

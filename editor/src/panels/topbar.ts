@@ -1,11 +1,12 @@
 // The bar along the top: the document on the left, how it is looked at in the middle, what is being made on the right.
 
+import { sentence } from '../sentences';
 import type { ViewMode } from '../store';
 import { button, checkbox, iconButton, segmented } from '../ui/controls';
 import { h, set } from '../ui/dom';
 import { progress } from '../ui/dialog';
 import { menuButton, type MenuItem } from '../ui/floating';
-import { icon } from '../ui/icons';
+import { icon, type IconName } from '../ui/icons';
 import { seconds } from '../ui/numbers';
 import { commandButton, refreshCommand, setIcon, type Context } from './context';
 
@@ -37,7 +38,7 @@ function documentMenu(context: Context): HTMLElement {
   };
   return menuButton(made, () => [
     item('save', { icon: 'save' }), item('save-as'), item('revert', { icon: 'return' }), null,
-    item('snapshot', { icon: 'camera' }), item('shortcuts', { icon: 'help' }), item('hints'),
+    item('snapshot', { icon: 'camera' }), item('theme', { icon: 'sun' }), item('shortcuts', { icon: 'help' }), item('hints'),
   ]);
 }
 
@@ -122,7 +123,7 @@ function building(context: Context): HTMLElement {
     for (const job of store.state.jobs) {
       if (job.job <= announced || !['done', 'failed'].includes(job.state)) continue;
       announced = job.job;
-      if (job.state === 'failed') app.messages.say(job.message ?? `${job.what} failed.`, 'warning');
+      if (job.state === 'failed') app.messages.say(sentence(job.message ?? `${job.what} failed.`), 'warning');
       else if (job.notes) app.messages.say(job.notes);
     }
   });
@@ -131,10 +132,11 @@ function building(context: Context): HTMLElement {
 
 function pageButtons(context: Context): HTMLElement {
   const { store } = context.app;
-  const snapshot = commandButton(context, 'snapshot', { only: 'icon', icon: 'camera', look: 'plain' });
-  const theme = commandButton(context, 'theme', { only: 'icon', icon: 'sun', look: 'plain' });
-  const help = commandButton(context, 'shortcuts', { only: 'icon', icon: 'help', look: 'plain' });
-  const inspector = commandButton(context, 'inspector', { only: 'icon', icon: 'sidebar', look: 'plain' });
+  // The document's menu has the first three too: narrow windows leave them to it.
+  const buttonOf = (id: string, name: IconName, look = ''): HTMLButtonElement =>
+    commandButton(context, id, { only: 'icon', icon: name, look: 'plain', class: look });
+  const snapshot = buttonOf('snapshot', 'camera', 'page-more'), theme = buttonOf('theme', 'sun', 'page-more');
+  const help = buttonOf('shortcuts', 'help', 'page-more'), inspector = buttonOf('inspector', 'sidebar');
   const refresh = (): void => {
     setIcon(theme, store.state.theme === 'dark' ? 'sun' : 'moon');
     theme.dataset.tip = store.state.theme === 'dark' ? 'Light page' : 'Dark page';

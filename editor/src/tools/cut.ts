@@ -1,6 +1,7 @@
 // The cutting stroke (Takayama et al. 2008, §4 and §5.1.1): drawn across the model, it sweeps a surface from the eye.
 
 import type { App } from '../app';
+import { gapOf } from '../parts';
 import type { Json } from '../protocol';
 import type { Tool } from './tool';
 import { FlatStroke, flatDistance, simplify, toPoint } from './stroke';
@@ -46,8 +47,7 @@ export function cutTool(app: App): Tool {
       const keep = event.pointer.altKey ? 'both' : event.pointer.shiftKey ? other : chosen;
       const points = simplify(drawn.points, 0.75, flatDistance);
       app.timing.begin('cut');
-      const gap = keep === 'both' ? { gap: Number((0.25 * viewport.diagonal).toPrecision(3)) } : {};
-      void actions.apply('Cut', [{ ...operation(points, keep), ...gap, ...(separate ? { separate } : {}) }]);
+      void actions.apply('Cut', [{ ...operation(points, keep), ...gapOf(app, keep), ...(separate ? { separate } : {}) }]);
       store.set({ part: null });
     },
     cancel() {

@@ -2,6 +2,7 @@
 
 import * as THREE from 'three';
 import type { App } from '../app';
+import { gapOf } from '../parts';
 import type { Packet } from '../protocol';
 import type { Tool, ToolEvent } from './tool';
 import { toPoint } from './stroke';
@@ -19,14 +20,21 @@ export function planeTool(app: App): PlaneTool {
   const { store, viewport, actions } = app;
   const point = new THREE.Vector3(), normal = new THREE.Vector3(0, 0, 1);
   let placed = false, active = false, asking = false, again = false, generation = 0;
+  let fromVolume = false;                // was that view left for this tool?
   let grip: Grip | null = null, from = { x: 0, y: 0 }, before = new THREE.Vector3();
 
   const radius = (): number => 0.5 * viewport.diagonal;
-  const centre = (): THREE.Vector3 => {   // where the handle is: the middle of the model, on the plane
-    const middle = viewport.view?.box.getCenter(new THREE.Vector3()) ?? new THREE.Vector3();
-    return middle.addScaledVector(normal, point.clone().sub(middle).dot(normal));
-  };
+  /* The plane's distance from the middle of the model, along its normal. */
+  const away = (): number => point.clone().sub(viewport.reach(normal).middle).dot(normal);
+  /* Where the handle is: the middle of the model, on the plane. */
+  const centre = (): THREE.Vector3 => viewport.reach(normal).middle.addScaledVector(normal, away());
   const tip = (): THREE.Vector3 => centre().addScaledVector(normal, 0.45 * radius());
+
+  /* A plane beyond the model would cut all of it away, or nothing: it is held a little inside. */
+  function hold(): void {
+    const most = 0.98 * viewport.reach(normal).far, held = THREE.MathUtils.clamp(away(), -most, most);
+    point.addScaledVector(normal, held - away());
+  }
 
   function place(): void {
     const { camera, target } = viewport.table;
@@ -34,7 +42,7 @@ export function planeTool(app: App): PlaneTool {
     const axes = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map((axis) => new THREE.Vector3(...(axis as [number, number, number])));
     const nearest = axes.reduce((best, axis) => (Math.abs(axis.dot(view)) > Math.abs(best.dot(view)) ? axis : best));
     normal.copy(nearest).multiplyScalar(Math.sign(nearest.dot(view)) || 1);
-    point.copy(viewport.view?.box.getCenter(new THREE.Vector3()) ?? new THREE.Vector3());
+    point.copy(viewport.reach(normal).middle);
     placed = true;
   }
 
@@ -56,6 +64,7 @@ export function planeTool(app: App): PlaneTool {
 
   /* One request at a time; what moved meanwhile is asked for again. Clip and section change together. */
   async function refresh(): Promise<void> {
+    hold();
     outline();
     if (asking) {
       again = true;
@@ -114,17 +123,26 @@ export function planeTool(app: App): PlaneTool {
     point.copy(middle);
   }
 
+  store.on(['mode'], () => {
+    if (active && store.state.mode === 'volume') app.messages.say('The volume view does not show the clip plane; Solid does.');
+  });
+  viewport.onView.push(() => { if (active) void refresh(); });
+
   return {
     name: 'plane', label: 'Clip plane', key: 'x', icon: 'plane',
     hint: 'Drag the plane through the model, its knob to turn it. Enter or a double click cuts there; Escape leaves it whole.',
     enter() {
       app.assemble(true);
+      fromVolume = store.state.mode === 'volume'; // which shows the model seen through, not what a plane lays open
+      if (fromVolume) store.set({ mode: 'solid' });
       if (!placed) place();
+      else if (Math.abs(away()) > viewport.reach(normal).far) point.copy(viewport.reach(normal).middle);
       active = true;
       void refresh();
     },
     leave() {
       close();
+      if (fromVolume && store.state.mode === 'solid') store.set({ mode: 'volume' });
       app.assemble(false);
     },
     down(event) {
@@ -157,8 +175,7 @@ export function planeTool(app: App): PlaneTool {
     },
     commit(keep) {
       app.timing.begin('plane');
-      const gap = keep === 'both' ? { gap: Number((0.25 * viewport.diagonal).toPrecision(3)) } : {};
-      const operation = { op: 'cut.plane', plane: { point: toPoint(point), normal: toPoint(normal) }, keep, ...gap };
+      const operation = { op: 'cut.plane', plane: { point: toPoint(point), normal: toPoint(normal) }, keep, ...gapOf(app, keep) };
       store.set({ tool: 'select' });
       void actions.apply('Cut along a plane', [operation]);
     },

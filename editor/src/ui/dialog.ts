@@ -43,24 +43,48 @@ export function openDialog(options: DialogOptions): () => void {
   return close;
 }
 
-/** Asks before something that cannot be taken back, or that there are two ways to do. */
-export function confirmDialog(title: string, about: string,
-  act: { label: string; run: () => void; danger?: boolean }): void {
-  const close = openDialog({ title, body: h('p', null, about), class: 'small', actions: [
-    button('Cancel', () => close()),
-    button(act.label, () => { close(); act.run(); }, { look: act.danger ? 'danger' : 'main' }),
-  ] });
+export interface Question {
+  title: string;
+  label: string;
+  value: string;
+  act: string;
+  /** What is said to no text at all. */
+  none: string;
+  /** Does it; `insist` when it was objected to before. */
+  run: (text: string, insist: boolean) => Promise<Objection | null>;
 }
 
-/** Asks for a line of text. */
-export function askText(title: string, label: string, value: string, act: string, run: (value: string) => void): void {
-  const id = uid(), field = textField(label, value, () => {}, { id });
-  const input = field.element as HTMLInputElement;
-  const go = (): void => { const text = input.value.trim(); close(); if (text) run(text); };
-  input.addEventListener('keydown', (event) => { if (event.key === 'Enter') { event.preventDefault(); go(); } });
-  const close = openDialog({ title, class: 'small',
-    body: h('div', { class: 'stack' }, h('label', { for: id }, label), input),
-    actions: [button('Cancel', () => close()), button(act, go, { look: 'main' })] });
+/** Why an answer was not taken, a sentence, and the word of the button that insists on it, if one may. */
+export interface Objection { why: string; insist?: string }
+
+/** Asks for a line of text; stays open until it was taken, and says beside the field why it was not. */
+export function askText(question: Question): void {
+  const id = uid(), why = h('p', { class: 'objection', id: uid(), role: 'alert' });
+  const input = textField(question.label, question.value, () => {}, { id }).element as HTMLInputElement;
+  const act = button(question.act, () => void go(false), { look: 'main' });
+  const insist = button('', () => void go(true), { look: 'danger' });
+  const object = (objection: Objection | null): void => {
+    why.textContent = objection?.why ?? '';
+    set(input, 'aria-invalid', objection ? true : null);
+    insist.hidden = !objection?.insist;
+    insist.textContent = objection?.insist ?? '';
+  };
+  const go = async (insisting: boolean): Promise<void> => {
+    const text = input.value.trim();
+    act.disabled = insist.disabled = true;
+    const objection = text ? await question.run(text, insisting) : { why: question.none };
+    act.disabled = insist.disabled = false;
+    if (!objection) return close();
+    object(objection);
+    input.focus();
+  };
+  input.addEventListener('input', () => object(null));
+  input.addEventListener('keydown', (event) => { if (event.key === 'Enter') { event.preventDefault(); void go(false); } });
+  set(input, 'aria-describedby', why.id);
+  object(null);
+  const close = openDialog({ title: question.title, class: 'small',
+    body: h('div', { class: 'stack' }, h('label', { for: id }, question.label), input, why),
+    actions: [button('Cancel', () => close()), insist, act] });
   input.select();
 }
 
@@ -84,10 +108,16 @@ export class Messages {
     this.element.append(message);
     while (this.element.children.length > 4) this.element.firstChild?.remove();
     let timer = 0;
-    const wait = (): void => { timer = window.setTimeout(away, 4000 + 60 * text.length); };
-    message.addEventListener('pointerenter', () => clearTimeout(timer));
+    const stay = (): void => clearTimeout(timer);
+    const wait = (): void => { // not while it is pointed at or has the focus
+      stay();
+      if (message.matches(':hover, :focus-within')) return;
+      timer = window.setTimeout(away, 4000 + 60 * text.length);
+    };
+    message.addEventListener('pointerenter', stay);
+    message.addEventListener('focusin', stay);
     message.addEventListener('pointerleave', wait);
-    message.addEventListener('focusin', () => clearTimeout(timer));
+    message.addEventListener('focusout', () => queueMicrotask(wait));
     wait();
   }
 }

@@ -60,6 +60,8 @@ export class View {
   readonly group = new THREE.Group();
   readonly parts: ViewPart[] = [];
   readonly box = new THREE.Box3();
+  /** The box of the parts as one body, without their offsets. */
+  readonly together = new THREE.Box3();
   readonly positions: Float32Array;
   readonly material: Float32Array;
   readonly corners: Uint32Array;
@@ -94,6 +96,7 @@ export class View {
       const box = mesh.geometry.boundingBox!;
       this.parts.push({ ...part, mesh, box, middle: box.getCenter(new THREE.Vector3()) });
       this.box.union(box.clone().translate(mesh.position));
+      this.together.union(box);
       this.group.add(mesh);
     }
   }

@@ -369,8 +369,17 @@ export class Viewport {
     return { part: -1, body, triangle: found.triangle, point, world: point.clone(), normal: normalOf(positions, corners, found.triangle), kind: 'layer', face: -1, distance: found.distance };
   }
 
-  /** Length of the diagonal of all there is. */
-  get diagonal(): number { return this.view ? this.view.box.getSize(new THREE.Vector3()).length() : 1; }
+  /** Length of the diagonal of all there is, its parts in one place. */
+  get diagonal(): number { return this.view ? this.view.together.getSize(new THREE.Vector3()).length() : 1; }
+
+  /** The middle of all there is, its parts in one place, and how far that reaches on either side along a direction. */
+  reach(direction: THREE.Vector3): { middle: THREE.Vector3; far: number } {
+    const box = this.view?.together;
+    if (!box || box.isEmpty()) return { middle: new THREE.Vector3(), far: 0 };
+    const half = box.getSize(new THREE.Vector3()).multiplyScalar(0.5);
+    return { middle: box.getCenter(new THREE.Vector3()),
+      far: half.x * Math.abs(direction.x) + half.y * Math.abs(direction.y) + half.z * Math.abs(direction.z) };
+  }
 
   /* ---- drawing ---- */
 
@@ -390,7 +399,7 @@ export class Viewport {
     const azimuth = THREE.MathUtils.degToRad(this.lightAzimuth), elevation = THREE.MathUtils.degToRad(this.lightElevation);
     this.shared.lightDirection.value.copy(level.applyAxisAngle(up, azimuth)).multiplyScalar(Math.cos(elevation)).addScaledVector(up, Math.sin(elevation));
     this.shared.upDirection.value.copy(up);
-    this.floor.visible = !this.layer;
+    this.floor.visible = !this.layer && this.view?.box.isEmpty() === false;
     this.ribbons.pale.value = this.layer || this.shared.mode.value === 1 ? 0.75 : 0; // where their colour is all about them
     camera.updateMatrixWorld();
     this.shared.known.value = this.sheet !== null && this.sheet.of === this.seen();
