@@ -51,7 +51,7 @@ try {
   await take(bunny.page, 'bunny');
   await bunny.end();
 
-  const wood = await open('wood.pith');
+  const wood = await open('wood.pith', undefined, { width: 960, height: 620 });
   await wood.page.locator('[data-key="node rings"]').click();
   await wood.page.locator('.inspector-scroll').evaluate((panel) => { panel.scrollTop = 280; });
   await wood.page.waitForFunction(() => globalThis.pith.viewport.fine && globalThis.pith.asked.whole > 0);

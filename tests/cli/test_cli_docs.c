@@ -58,6 +58,7 @@ static void test_the_tutorial(void **state)
     CHECK_RUN(0, "rm -f my.pith*");
     CHECK_AT_LEAST(run_page("docs/tutorial/1_first_cut.md"), 4);
     CHECK_AT_LEAST(run_page("docs/tutorial/2_orientation.md"), 2);
+    CHECK_AT_LEAST(run_page("docs/tutorial/3_computed.md"), 3);
 }
 
 static void test_the_editor(void **state)

@@ -1,9 +1,9 @@
 // The dialog of a file that a document names: those beside it, those shipped, and one that is dropped in.
 
 import type { App } from '../app';
-import { button } from '../ui/controls';
 import { fill, h } from '../ui/dom';
 import { openDialog } from '../ui/dialog';
+import { dropZone } from '../ui/dropzone';
 import { icon } from '../ui/icons';
 import { upload } from './files';
 
@@ -18,20 +18,10 @@ const kinds = {
 export function fileDialog(app: App, kind: keyof typeof kinds, chosen: (path: string) => void): void {
   const { title, accept, words } = kinds[kind];
   const lists = h('div', { class: 'files' }, h('p', { class: 'quiet' }, 'Looking for files…'));
-  const picker = h('input', { type: 'file', accept, hidden: true, onchange: () => void take(picker.files) });
-  const drop = h('div', { class: 'drop' }, icon('upload', 22), h('span', null, `Drop ${words} here, or `),
-    button('choose a file', () => picker.click()), picker);
-  drop.addEventListener('dragover', (event) => { event.preventDefault(); drop.classList.add('over'); });
-  drop.addEventListener('dragleave', () => drop.classList.remove('over'));
-  drop.addEventListener('drop', (event) => {
-    event.preventDefault();
-    event.stopPropagation();
-    drop.classList.remove('over');
-    void take(event.dataTransfer?.files ?? null);
-  });
+  const drop = dropZone(words, accept, (file) => void take(file));
   const use = (path: string): void => { close(); chosen(path); };
-  async function take(files: FileList | null): Promise<void> {
-    const path = files?.[0] && await upload(app, files[0]);
+  async function take(file: File): Promise<void> {
+    const path = await upload(app, file);
     if (path) use(path);
   }
   const group = (name: string, files: Shown[]): HTMLElement | null => (files.length === 0 ? null
