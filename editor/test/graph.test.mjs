@@ -122,16 +122,19 @@ async function saved(page) {
   await until(page, 'it is saved', async () => (await state(page)).saved);
   return readDocument(server.document);
 }
-const fine = (page) => page.waitForFunction(() => globalThis.pith.viewport.fine, undefined, { timeout: 60000, polling: 50 });
+/* Until the view rests with every colour there; while it moves there is nothing to ask for. */
+const fine = (page) => page.waitForFunction(() => globalThis.pith.viewport.seen() !== null && globalThis.pith.viewport.fine,
+                                            undefined, { timeout: 60000, polling: 50 });
 
 describe('computed solids in the editor', { timeout: 600000 }, () => {
   beforeEach(() => { folder = workFolder(); });
   afterEach(async () => {
-    assert.deepEqual(opened?.problems ?? [], [], 'the page complained');
+    const problems = opened?.problems ?? [];
     await opened?.close();
     await server?.stop();
     rmSync(folder, { recursive: true, force: true });
     opened = server = undefined;
+    assert.deepEqual(problems, [], 'the page complained');
   });
   after(closeBrowser);
 
