@@ -87,7 +87,9 @@ bench: $(BUILD)/pith-configured
 	$(BUILD)/pith bench cut --curve --csv > bench/results/cut_curve.csv
 	$(BUILD)/pith bench layers --csv > bench/results/layers.csv
 	$(BUILD)/pith bench blend --csv > bench/results/blend.csv
+	$(BUILD)/pith bench procedural --csv > bench/results/procedural.csv
 	$(BUILD)/pith bench volume --json > bench/results/volume.json
+	$(BUILD)/pith bench atlas --json > bench/results/atlas.json
 
 gallery: editor $(BUILD)/pith-configured
 	@tools/install-packages browser

@@ -13,10 +13,13 @@ typedef struct bench_options {
 
 /* Appends cases {"name": …, measures…} to the list. */
 typedef pith_status bench_run(const bench_options *options, json_t *cases, pith_error *err);
-bench_run bench_lapped, bench_fields, bench_render, bench_volume, bench_cut, bench_layers, bench_blend;
+bench_run bench_lapped, bench_fields, bench_render, bench_volume, bench_cut, bench_layers, bench_blend,
+    bench_procedural, bench_atlas;
 
 /* Accuracy of orientations recovered from strokes; part of bench_fields. */
 bench_run bench_orientation;
+/* The shipped computed solids and a picture of them; part of bench_procedural. */
+bench_run bench_scene;
 /* Streamlines on sections and skins; the same. */
 bench_run bench_look;
 /* A closed surface: the profile (radius, height), from axis to axis, turned about z; and a cylinder of radius 1. */

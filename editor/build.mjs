@@ -14,7 +14,7 @@ mkdirSync(out, { recursive: true });
 await build({
   entryPoints: { editor: join(here, 'src', 'main.ts'), style: join(here, 'src', 'style.css') },
   outdir: out, bundle: true, minify: true, format: 'esm', target: 'es2022', legalComments: 'none', logLevel: 'warning',
-  loader: { '.glsl': 'text', '.svg': 'text' },
+  loader: { '.glsl': 'text', '.svg': 'text', '.pith': 'json' },
 });
 cpSync(join(here, 'index.html'), join(out, 'index.html'));
 cpSync(join(here, 'assets'), out, { recursive: true });

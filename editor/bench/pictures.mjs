@@ -50,6 +50,13 @@ try {
   await settled(bunny.page);
   await take(bunny.page, 'bunny');
   await bunny.end();
+
+  const wood = await open('wood.pith', undefined, { width: 960, height: 620 });
+  await wood.page.locator('[data-key="node rings"]').click();
+  await wood.page.locator('.inspector-scroll').evaluate((panel) => { panel.scrollTop = 280; });
+  await wood.page.waitForFunction(() => globalThis.pith.viewport.fine && globalThis.pith.asked.whole > 0);
+  await take(wood.page, 'graph');
+  await wood.end();
 } finally {
   await closeBrowser();
   rmSync(folder, { recursive: true, force: true });

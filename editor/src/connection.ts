@@ -1,6 +1,6 @@
 // The socket: requests with answers, events, packets; and finding the server again when it was away.
 
-import { readPacket, writeUpload, type Json, type Packet, type ServerEvent } from './protocol';
+import { readPacket, writeUpload, type Json, type Packet, type ServerEvent, type TypedArray } from './protocol';
 import { sentence } from './sentences';
 
 /** A request that was refused; the message is a sentence for people. */
@@ -74,9 +74,9 @@ export class Connection {
     return this.send((id) => JSON.stringify({ id, do: what, ...keys }));
   }
 
-  /** Sends bytes along with a request. */
-  upload<T = Json>(what: string, keys: Json, bytes: Uint8Array): Promise<T> {
-    return this.send((id) => writeUpload({ id, do: what, ...keys }, bytes));
+  /** Sends bytes, or arrays by their names, along with a request. */
+  upload<T = Json>(what: string, keys: Json, values: Uint8Array | { [name: string]: TypedArray }): Promise<T> {
+    return this.send((id) => writeUpload({ id, do: what, ...keys }, values));
   }
 
   private send<T>(make: (id: number) => string | ArrayBuffer): Promise<T> {

@@ -4,6 +4,7 @@ import { Actions } from './actions';
 import { Timing, type App } from './app';
 import { Connection } from './connection';
 import { Model } from './model';
+import { installAskedColours } from './asked';
 import { buildPage } from './panels/page';
 import type { BodyState, DocumentEvent, Hello, JobEvent, ViewState } from './protocol';
 import { sentence } from './sentences';
@@ -80,9 +81,9 @@ function takeJob(event: JobEvent): void {
 
 async function hello(): Promise<void> {
   const answer = await connection.ask<Hello>('hello');
-  const { version, path, file, socket, automatic, schema, types, templates } = answer;
+  const { version, path, file, socket, automatic, schema, types, functions = {}, templates } = answer;
   viewport.stateCamera(answer.document.camera);
-  store.set({ connection: 'open', version, path, file, socket, automatic, schema, types, templates });
+  store.set({ connection: 'open', version, path, file, socket, automatic, schema, types, functions, templates });
   takeDocument(answer);
 }
 
@@ -119,5 +120,6 @@ const commands = buildPage(app);
 installFieldView(app);
 installMarks(app);
 installVolumeView(app);
+const asked = installAskedColours(app);
 toolbox.enter();
-(globalThis as any).pith = Object.assign(app, { commands }); // for tests, benchmarks, and the curious
+(globalThis as any).pith = Object.assign(app, { commands, asked }); // for tests, benchmarks, and the curious

@@ -31,6 +31,11 @@ export interface DocumentEvent {
 
 export interface TypeNeeds { depth: boolean; direction: boolean; vectors: boolean; scale: boolean }
 
+export type ValueKind = 'number' | 'colour' | 'point';
+/** What a function of computed solids gives and takes; its options are in the schema. */
+export interface InputFacts { name: string; takes: ValueKind | 'any'; wanted: boolean; many: boolean; standard: number }
+export interface Functions { [name: string]: { gives: ValueKind; inputs: InputFacts[] } }
+
 export interface Hello extends Omit<DocumentEvent, 'event'> {
   version: string;
   path: string;
@@ -39,6 +44,7 @@ export interface Hello extends Omit<DocumentEvent, 'event'> {
   automatic: boolean;
   schema: Json;
   types: { [type: string]: TypeNeeds };
+  functions: Functions;
   templates: string[];
 }
 
@@ -95,16 +101,27 @@ export function readPacket(buffer: ArrayBuffer): Packet {
   return { kind: head.kind, id: head.id, head, arrays, bytes: buffer.byteLength };
 }
 
-/** An upload: a request with bytes behind it, laid out as a packet is. */
-export function writeUpload(request: Json, bytes: Uint8Array): ArrayBuffer {
-  const head = { ...request, arrays: { bytes: [0, 'u8', bytes.length] } };
-  let text = JSON.stringify(head);
+/** An upload: a request with arrays behind it, laid out as a packet is; bytes alone are the array `bytes`. */
+export function writeUpload(request: Json, values: Uint8Array | { [name: string]: TypedArray }): ArrayBuffer {
+  const given: { [name: string]: TypedArray } = values instanceof Uint8Array ? { bytes: values } : values;
+  const places: { [name: string]: ArrayPlace } = {};
+  let size = 0;
+  for (const [name, array] of Object.entries(given)) {
+    const type = (Object.keys(kinds) as (keyof typeof kinds)[]).find((word) => array instanceof kinds[word])!;
+    places[name] = [size, type, array.length];
+    size += 4 * Math.ceil(array.byteLength / 4);
+  }
+  let text = JSON.stringify({ ...request, arrays: places });
   const plain = new TextEncoder();
   text += ' '.repeat((4 - (plain.encode(text).length % 4)) % 4);
-  const encoded = plain.encode(text);
-  const buffer = new ArrayBuffer(4 + encoded.length + bytes.length);
+  const encoded = plain.encode(text), last = Object.values(places).at(-1);
+  const end = last ? last[0] + given[Object.keys(places).at(-1)!].byteLength : 0;
+  const buffer = new ArrayBuffer(4 + encoded.length + end);
   new DataView(buffer).setUint32(0, encoded.length, true);
   new Uint8Array(buffer, 4).set(encoded);
-  new Uint8Array(buffer, 4 + encoded.length).set(bytes);
+  for (const [name, array] of Object.entries(given)) {
+    new Uint8Array(buffer, 4 + encoded.length + places[name][0])
+      .set(new Uint8Array(array.buffer, array.byteOffset, array.byteLength));
+  }
   return buffer;
 }

@@ -33,7 +33,7 @@ export function valueAt(document: Json, path: string): any {
 }
 
 /** The schema of a place of the document, references followed and the alternative taken that the document's own
-    `kind` names; null when nothing may stand there. A place that is not there yet has a schema all the same. */
+    `kind` or `function` names; null when nothing may stand there. A place that is not there yet has a schema all the same. */
 export function schemaAt(schema: Json, document: Json, path: string): Json | null {
   let node: Json | null = resolve(schema, schema, document), value: any = document;
   for (const step of pathSteps(path)) {
@@ -56,7 +56,8 @@ function resolve(root: Json, node: Json, value: any): Json {
   const kinds = (found.oneOf as Json[] | undefined)?.map((each) => resolve(root, each, value))
     .filter((each) => each.properties);
   if (!found.properties && kinds?.length) {
-    return kinds.find((each) => each.properties.kind?.const === value?.kind) ?? kinds[0];
+    const suits = ([key, inner]: [string, any]): boolean => !('const' in inner) || inner.const === value?.[key];
+    return kinds.find((each) => Object.entries(each.properties).every(suits)) ?? kinds[0];
   }
   return found;
 }

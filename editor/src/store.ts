@@ -1,7 +1,7 @@
 // What the page knows: what the server said, and what this page alone has chosen (tool, mode, selection). One object of
 // plain values; whoever shows something listens to the keys it shows.
 
-import type { BodyState, Json, JobEvent, TypeNeeds } from './protocol';
+import type { BodyState, Functions, Json, JobEvent, TypeNeeds } from './protocol';
 
 export type ToolName = 'select' | 'cut' | 'plane' | 'fill' | 'face' | 'depth' | 'points' | 'direction' | 'scale' | 'paste';
 export type ViewMode = 'solid' | 'depth' | 'shape' | 'volume';
@@ -14,6 +14,7 @@ export interface State {
   socket: number;
   schema: Json;
   types: { [type: string]: TypeNeeds };
+  functions: Functions;             // of computed solids
   templates: string[];
 
   revision: number;
@@ -56,7 +57,7 @@ export interface State {
 }
 
 export const initial: State = {
-  connection: 'connecting', version: '', path: '', file: '', socket: 0, schema: {}, types: {}, templates: [],
+  connection: 'connecting', version: '', path: '', file: '', socket: 0, schema: {}, types: {}, functions: {}, templates: [],
   revision: 0, document: {}, name: '', undo: [], redo: [], saved: true, recovered: false, bodies: [], viewWhy: null, automatic: true,
   jobs: [],
   tool: 'select', mode: 'solid', body: 0, part: null, paint: 0, erase: false, palette: [0, 0.25, 0.5, 0.75, 1],

@@ -35,11 +35,12 @@ async function until(page, holds, timeout = 60000) {
 describe('the editor', { timeout: 600000 }, () => {
   beforeEach(() => { folder = workFolder(); });
   afterEach(async () => {
-    assert.deepEqual(opened?.problems ?? [], [], 'the page complained');
+    const problems = opened?.problems ?? [];
     await opened?.close();
     await server?.stop();
     rmSync(folder, { recursive: true, force: true });
     opened = server = undefined;
+    assert.deepEqual(problems, [], 'the page complained');
   });
   after(closeBrowser);
 

@@ -11,6 +11,6 @@ const source = join(dirname(fileURLToPath(import.meta.url)), '..', 'src');
 export async function load(name) {
   const out = join(mkdtempSync(join(tmpdir(), 'pith-module-')), 'module.mjs');
   await build({ entryPoints: [join(source, `${name}.ts`)], outfile: out, bundle: true, format: 'esm', platform: 'neutral', logLevel: 'warning',
-                mainFields: ['module', 'main'], loader: { '.glsl': 'text' } });
+                mainFields: ['module', 'main'], loader: { '.glsl': 'text', '.pith': 'json' } });
   return import(pathToFileURL(out));
 }

@@ -226,6 +226,10 @@ const char *pith_nearest_word(const char *word, const char *const *candidates);
 pith_status pith_file_read(const char *path, unsigned char **bytes, size_t *size, pith_error *err);
 /** Writes beside the target and renames over it: the file is old or new, never half. */
 pith_status pith_file_write(const char *path, const void *bytes, size_t size, pith_error *err);
+/** Files that belong together: all are written beside their targets before the first is renamed over its own, in order;
+ *  when one cannot be written none is. */
+typedef struct pith_file_part { const char *path; const void *bytes; size_t size; } pith_file_part;
+pith_status pith_files_write(const pith_file_part *files, size_t count, pith_error *err);
 /** Lower-case extension without the dot, "" when there is none; points into a static table of known ones or path. */
 bool pith_path_has_extension(const char *path, const char *extension); /* case-insensitive, without the dot */
 bool pith_file_exists(const char *path);

@@ -202,6 +202,8 @@ void pith_sections_free(pith_model_piece *sections, size_t count); /* NULL is al
 /** The shells left after the cuts, with their offsets; empty shells and hidden parts are left out. Cuts apply in
  *  sequence: all but the last split every part there is, the last one only lays its section open. Offsets add up. */
 pith_status pith_model_items(pith_model *model, const pith_render_item **items, size_t *count, pith_error *err);
+/** The same as pictures show it: a body that was turned and is not cut is its quadrics, without facets, unless it is lapped. */
+pith_status pith_model_scene(pith_model *model, const pith_render_item **items, size_t *count, pith_error *err);
 /** The parts left after the cuts with their solids, but for hidden ones, for volume rendering. */
 pith_status pith_model_volume_items(pith_model *model, const pith_volume_item **items, size_t *count,
                                     pith_error *err);

@@ -12,13 +12,17 @@ typedef struct pith_image {
 
 pith_status pith_image_create(uint32_t width, uint32_t height, uint32_t channels, pith_image **image, pith_error *err);
 void pith_image_destroy(pith_image *image);
-/** PNG (8 and 16 bit, any colour type) or JPEG, told apart by content. Colour channels are decoded from sRGB, alpha is
- *  linear; gamma and profiles in the file are not looked at. PITH_BAD_FILE with the decoder's reason; a JPEG that its
+/** PNG (8 and 16 bit, any colour type), JPEG or EXR, told apart by content. Colour channels are decoded from sRGB but
+ *  for EXR's, which are linear; alpha is linear; gamma and profiles in the file are not looked at. EXR: one flat part in
+ *  scanlines, half or float, without lossy compression; the channels R, G, B or Y, and A; its premultiplied colours are
+ *  divided by alpha where that is not 0. PITH_BAD_FILE with the decoder's reason; a JPEG that its
  *  decoder only warns about counts as cut off. Sides above 16384, and claims that the file's bytes cannot hold, are
  *  refused before memory is taken for them. */
 pith_status pith_image_read(const char *path, pith_image **image, pith_error *err);
 pith_status pith_image_decode(const char *name, const void *bytes, size_t size, pith_image **image, pith_error *err);
-/** .png (8 bit, deterministic bytes) or .jpg (quality 1..100); values are clamped, colour encoded to sRGB. */
+/** .png (8 bit) or .jpg (quality 1..100): values are clamped, colour encoded to sRGB; or .exr (float, ZIP): values as
+ *  they are, linear, colour premultiplied with alpha as the format wants it, so that it comes back to the bit where
+ *  alpha is 1, to rounding where it is less, and as 0 where it is 0. Deterministic bytes. */
 pith_status pith_image_write(const pith_image *image, const char *path, int jpeg_quality, pith_error *err);
 /** The bytes that pith_image_write puts into a .png; free with pith_free. */
 pith_status pith_image_encode_png(const pith_image *image, unsigned char **bytes, size_t *size, pith_error *err);

@@ -18,6 +18,8 @@ typedef struct pith_render_options {
     double light_size;          /* angular diameter of the light, degrees: softness of shadows */
     double light_strength, ambient;
     double gloss;               /* strength of the highlight on skin and section, 0..1 */
+    uint32_t bounces;           /* mirrors that a ray goes by in turn, 0..8; 0: nothing is mirrored */
+    double zenith;              /* brightness of the sky overhead in mirrors, of the background's, which it has level */
     double exposure;            /* stops */
     double background_red, background_green, background_blue; /* sRGB values 0..1 */
     bool ground;                /* a matt floor under the scene that catches shadows */
@@ -27,26 +29,42 @@ typedef struct pith_render_options {
 extern const pith_params pith_render_params;
 pith_render_options pith_render_options_default(void);
 
-/** One thing in the scene: a shell, the solid asked at its material coordinates, and where it stands. */
+/** One thing in the scene: a surface, what it looks like, and where it stands. The surface is one of
+ *  - a shell, whose solid is asked at its material coordinates, with tet and weights known;
+ *  - a plain mesh, seen and lit from both sides, with the mesh's own normals or with means over its vertices;
+ *  - quadrics, exact and without facets, seen and lit from both sides.
+ *  A mesh and quadrics may have a solid, asked at position - offset, or else show `colour`, a mesh its vertex colours
+ *  when it has them. */
 typedef struct pith_render_item {
     const pith_shell *shell;
     const pith_solid *solid;
     pith_vec3 offset;           /* added to positions */
-    /* Instead of shell and solid (both NULL): a plain mesh in its vertex colours, or in `colour` when it has none (its
-       opacity must be above 0 then). For streamlines, glyphs, layers. Linear RGBA. Seen and lit from both sides, with
-       the mesh's own normals or with means over its vertices. */
     const pith_mesh *mesh;
-    float colour[4];
+    const pith_quadric *quadrics; /* [quadric_count] */
+    size_t quadric_count;
+    float colour[4];            /* linear RGBA, opacity above 0 where it is shown */
+    double reflectivity;        /* light mirrored head on, 0..1; more towards grazing (Schlick 1994). 0: no mirror, 0.04
+                                   varnish and polished stone, 1 a mirror. Of an index n it is ((n - 1) / (n + 1))^2. */
 } pith_render_item;
+
+/** The box of all items where they stand; empty for none. */
+pith_box pith_render_box(const pith_render_item *items, size_t count);
 
 /** A camera that sees the whole box from `direction` (from the box's middle towards the eye), with an eighth of air
  *  round it. A flat box, a point, and a direction along `up` are allowed. */
 pith_camera pith_camera_fit(const pith_box *box, pith_vec3 direction, pith_vec3 up, double field_of_view,
                             double aspect);
 
+/** Can anything of the box be in the picture? False only when all of it lies behind the eye or beyond one side. */
+bool pith_camera_sees(const pith_camera *camera, const pith_box *box, double aspect);
+
 /** Renders RGBA (linear, not premultiplied). Tiles in parallel; the same picture for any thread count. The solid is
- *  asked once per sample that hits, in batches, with tet and weights known, so that detail is as fine as the pixels. A
- *  texture that has alpha < 1 shows what is behind it, through up to 8 surfaces; it casts a full shadow all the same.
+ *  asked once per sample that hits, in batches, so that detail is as fine as the pixels; the question holds the normal on
+ *  the eye's side, the directions to the eye and to the middle of the light, and the footprint: the diameter of the
+ *  sample's cone there, divided by the cosine of incidence (as if that were 0.01 at least), after mirrors as wide as
+ *  their curvature makes it (ray cones: Amanatides 1984; Akenine-Möller et al. 2019). A texture that has alpha < 1 shows
+ *  what is behind it, through up to 8 surfaces; it casts a full shadow all the same. Mirrors show the scene, the
+ *  sky and the light, as a disc of `light_size` (3 degrees at least), and have no highlight of `gloss`.
  *  The floor is perpendicular to the camera's `up`, under the lowest vertex. The progress callback is called between
  *  groups of tiles, from the calling thread. PITH_BAD_ARGUMENT: nothing to draw, a camera that looks nowhere, an
  *  option out of range. Cost: about 0.5 microseconds of one core a sample beside what the solid takes. */

@@ -56,6 +56,18 @@ pith_status pith_mesh_parse(const char *name, const char *format, const void *by
  *  floats in GLB. */
 pith_status pith_mesh_write(const pith_mesh *mesh, const char *path, pith_error *err);
 
+/** A picture to go with a mesh's texture coordinates. */
+typedef struct pith_texture {
+    const void *png;        /* [size] a PNG file's bytes, borrowed */
+    size_t size;
+    double roughness;       /* 0 a mirror … 1 chalk */
+    bool transparent;       /* its alpha is looked at */
+} pith_texture;
+/** Writes a mesh with its picture: GLB with the picture inside, or OBJ with an .mtl and the .png of the same name beside
+ *  it. All files or none. PITH_BAD_ARGUMENT: another extension, a mesh without texture coordinates, no picture. */
+pith_status pith_mesh_write_textured(const pith_mesh *mesh, const pith_texture *texture, const char *path,
+                                     pith_error *err);
+
 /** Welds vertices of equal position (relative tolerance 1e-12 of the box's diagonal), drops degenerate and duplicate
  *  triangles and unused vertices, turns triangles consistently and each closed component outward (a component inside
  *  another an odd number of times is a cavity and is turned inward), and counts what is left wrong. Makes a new mesh.
@@ -98,6 +110,29 @@ pith_slab_options pith_slab_options_default(void);
 /** PITH_BAD_ARGUMENT when top and bottom meet somewhere. */
 pith_status pith_mesh_slab(const pith_slab_options *options, pith_mesh **mesh, pith_error *err);
 
+/** A block with its middle at the origin: a welded box of triangles, `detail` edges along its longest side. */
+typedef struct pith_block_options {
+    double size_x, size_y, size_z;
+    uint32_t detail;
+} pith_block_options;
+extern const pith_params pith_block_params;
+pith_block_options pith_block_options_default(void);
+pith_status pith_mesh_block(const pith_block_options *options, pith_mesh **mesh, pith_error *err);
+
+/** Where a thing stands that was made about the origin: scaled, turned about x, then y, then z, and moved. */
+typedef struct pith_placement {
+    double scale;
+    double turn_x, turn_y, turn_z;  /* degrees */
+    double move_x, move_y, move_z;  /* model units */
+} pith_placement;
+extern const pith_params pith_placement_params;
+/** The columns of its rotation: where x, y and z point. */
+void pith_placement_axes(const pith_placement *placement, pith_vec3 axes[3]);
+pith_vec3 pith_placement_point(const pith_placement *placement, pith_vec3 point);
+/** A copy of the mesh that stands there; normals turn along. */
+pith_status pith_mesh_placed(const pith_mesh *mesh, const pith_placement *placement, pith_mesh **placed,
+                             pith_error *err);
+
 /** Angle-weighted vertex normals (Thürmer and Wüthrich 1998), unit length; [vertex_count], caller's array. */
 void pith_mesh_vertex_normals(const pith_mesh_view *mesh, pith_vec3 *normals);
 
@@ -132,18 +167,81 @@ pith_status pith_polylines_tubes(const pith_polylines *lines, double radius, uin
 pith_status pith_glyphs(const pith_vec3 *points, const pith_vec3 *vectors, size_t count, double length,
                         pith_mesh **mesh, pith_error *err);
 
+/* ---- quadrics of revolution: exact surfaces without facets ------------------------------------------------------- */
+
+typedef struct pith_ray { pith_vec3 origin, direction; double nearest, farthest; } pith_ray; /* in units of direction */
+
+typedef enum pith_quadric_kind { PITH_QUADRIC_BAND, PITH_QUADRIC_DISC } pith_quadric_kind;
+
+/** A piece of a surface of revolution, about the line through `origin` along `axis`. With z measured from the origin
+ *  along the axis, and r from the axis, both in model units:
+ *  band: r^2 = square[0] + square[1] z + square[2] z^2 for low <= z <= high: part of a sphere, ellipsoid, cone, cylinder,
+ *        paraboloid or hyperboloid, open at both ends;
+ *  disc: z = 0 and low <= r <= high, a disc or a flat ring. */
+typedef struct pith_quadric {
+    pith_quadric_kind kind;
+    pith_vec3 origin, axis;     /* the axis has any length above 0 */
+    double square[3];           /* of a band */
+    double low, high;
+} pith_quadric;
+
+pith_quadric pith_quadric_sphere(pith_vec3 centre, double radius);
+/** The side of a cone between two discs, or of a cylinder; not its ends. */
+pith_quadric pith_quadric_cone(pith_vec3 from, pith_vec3 to, double from_radius, double to_radius);
+pith_quadric pith_quadric_disc(pith_vec3 centre, pith_vec3 axis, double inner, double outer);
+/** PITH_BAD_ARGUMENT, saying why: not finite, no axis, an empty range, r^2 below 0 somewhere in it. */
+pith_status pith_quadric_check(const pith_quadric *quadric, pith_error *err);
+
+/** Where a ray first meets the surface within its range, from either side; INFINITY where it does not. Solved in closed
+ *  form about the quadric's middle, then one Newton step: the point satisfies the equation to rounding. A band's ends
+ *  give way by 1e-10 of its size, so that no ray slips between two that meet. */
+double pith_quadric_hit(const pith_quadric *quadric, const pith_ray *ray);
+/** Unit normal at a point of the surface: away from the axis on a band, along the axis on a disc; zero at the tip of a
+ *  cone. curvature (may be NULL): the larger of the principal curvatures' sizes, 1/model unit. */
+pith_vec3 pith_quadric_normal(const pith_quadric *quadric, pith_vec3 point, double *curvature);
+/** The farthest that the surface reaches along a direction: the most that dot(direction, point) becomes. */
+double pith_quadric_reach(const pith_quadric *quadric, pith_vec3 direction);
+/** The smallest box round the surfaces; empty for none. */
+pith_box pith_quadrics_box(const pith_quadric *quadrics, size_t count);
+
+/** A point of a profile to be turned: height along the axis and distance from it. */
+typedef struct pith_profile_point {
+    double z, r;
+    bool corner;        /* an edge; else the profile runs through smoothly. Ends and points beside a step are corners */
+} pith_profile_point;
+/** Turns a profile into quadrics, closed by discs at ends of r above 0: table legs, balusters, vases. z never descends;
+ *  two points of equal z are a step, that is a flat ring. Between two corners the profile is straight. Elsewhere r^2 is
+ *  a quadratic spline in z that has the tangent in common at smooth points and never leaves the range of its two points:
+ *  r is longest or shortest at a point of the profile (Schumaker, "On shape preserving quadratic spline interpolation",
+ *  SIAM J. Numer. Anal. 20(4), 1983). Corner (0, 0), smooth (1, 1) and corner (2, 0) give the unit sphere.
+ *  origin: where z = 0 on the axis. quadrics: allocated [count], from the lowest up, caller frees with pith_free.
+ *  PITH_BAD_ARGUMENT: fewer than two points, values that are not finite, r below 0, or 0 but at the ends, z that
+ *  descends, three points at one height. */
+pith_status pith_quadrics_turned(const pith_profile_point *profile, size_t points, pith_vec3 origin, pith_vec3 axis,
+                                 pith_quadric **quadrics, size_t *count, pith_error *err);
+/** The tessellated twin of quadrics that follow one another about one axis, end to end in the order given, from axis to
+ *  axis or round a hollow ring back to the first: a closed, welded mesh, turned outward, with every vertex on the
+ *  surface and edges of about the length `edge` (model units), shorter where the profile turns. To be filled, cut and
+ *  baked like any mesh. PITH_BAD_ARGUMENT: an axis of its own, pieces that do not meet, ends off the axis, more
+ *  vertices than 2^28. O(triangles). */
+pith_status pith_quadrics_mesh(const pith_quadric *quadrics, size_t count, double edge, pith_mesh **mesh,
+                               pith_error *err);
+
 /* ---- spatial queries over triangles (Embree, robust) ----------------------------------------------------------- */
 
 typedef struct pith_tracer pith_tracer; /* borrows nothing: it keeps its own scaled float copy */
 
-typedef struct pith_ray { pith_vec3 origin, direction; double nearest, farthest; } pith_ray; /* in units of direction */
 typedef struct pith_hit {
     double distance;    /* in units of the ray's direction; INFINITY when nothing was hit */
-    uint32_t triangle;  /* PITH_NONE when nothing was hit */
-    float u, v;         /* the hit is (1-u-v) a + u b + v c of the triangle's corners */
+    uint32_t triangle;  /* PITH_NONE when nothing was hit; from triangle_count on the quadrics, in their order */
+    float u, v;         /* the hit is (1-u-v) a + u b + v c of the triangle's corners; 0 on a quadric */
 } pith_hit;
 
 pith_status pith_tracer_create(const pith_mesh_view *mesh, pith_tracer **tracer, pith_error *err);
+/** The same with quadrics beside the triangles, exact for first hits and occlusion; the nearest point and the inside
+ *  test look at triangles alone. PITH_BAD_ARGUMENT names the quadric that pith_quadric_check refuses. */
+pith_status pith_tracer_create_with(const pith_mesh_view *mesh, const pith_quadric *quadrics, size_t quadric_count,
+                                    pith_tracer **tracer, pith_error *err);
 void pith_tracer_destroy(pith_tracer *tracer);
 /** First hits of count rays; parallel, deterministic. */
 void pith_tracer_hits(const pith_tracer *tracer, const pith_ray *rays, size_t count, pith_hit *hits);

@@ -14,6 +14,8 @@ typedef struct pith_solid pith_solid;
 typedef struct pith_query {
     const pith_vec3 *points;        /* [count] material coordinates */
     const pith_vec3 *normals;       /* [count] unit normal of the surface asked for */
+    const pith_vec3 *views;         /* [count] unit vector from the point to the eye, in the model's space */
+    const pith_vec3 *lights;        /* [count] unit vector from the point to the middle of the light, likewise */
     const float *footprints;        /* [count] diameter of the area one answer stands for, model units */
     const uint32_t *tets;           /* [count] tet that contains the point, when the asker knows it */
     const double (*weights)[4];     /* [count] barycentric coordinates in that tet; goes with tets */

@@ -40,25 +40,52 @@ pith_status pith_file_read(const char *path, unsigned char **bytes, size_t *size
     return PITH_OK;
 }
 
-pith_status pith_file_write(const char *path, const void *bytes, size_t size, pith_error *err)
+/* "path.PID.part"; caller frees with pith_free. */
+static char *temporary_name(const char *path)
 {
-    char *temporary = pith_alloc(strlen(path) + 32, 1);
-    if (!temporary) return PITH_OUT_OF_MEMORY(err, path);
-    sprintf(temporary, "%s.%ld.part", path, (long)getpid());
-    pith_status status = PITH_OK;
+    char *name = pith_alloc(strlen(path) + 32, 1);
+    if (name) sprintf(name, "%s.%ld.part", path, (long)getpid());
+    return name;
+}
+
+static pith_status write_temporary(const pith_file_part *part, const char *temporary, pith_error *err)
+{
+    struct stat info;
+    if (stat(part->path, &info) == 0 && S_ISDIR(info.st_mode)) /* what the rename would find out too late */
+        return pith_fail(err, PITH_IO, "%s: cannot be written: %s", part->path, strerror(EISDIR));
     FILE *file = fopen(temporary, "wb");
-    if (!file) {
-        status = pith_fail(err, PITH_IO, "%s: cannot be written: %s", path, strerror(errno));
-    } else {
-        const bool written = size == 0 || fwrite(bytes, 1, size, file) == size;
-        const bool closed = fclose(file) == 0;
-        if (!written || !closed || rename(temporary, path) != 0) {
-            status = pith_fail(err, PITH_IO, "%s: cannot be written: %s", path, strerror(errno));
-            remove(temporary);
-        }
+    if (!file) return pith_fail(err, PITH_IO, "%s: cannot be written: %s", part->path, strerror(errno));
+    const bool written = part->size == 0 || fwrite(part->bytes, 1, part->size, file) == part->size;
+    const bool closed = fclose(file) == 0;
+    if (written && closed) return PITH_OK;
+    const pith_status status = pith_fail(err, PITH_IO, "%s: cannot be written: %s", part->path, strerror(errno));
+    remove(temporary);
+    return status;
+}
+
+pith_status pith_files_write(const pith_file_part *files, size_t count, pith_error *err)
+{
+    char **temporary = pith_alloc(count, sizeof *temporary);
+    if (!temporary) return PITH_OUT_OF_MEMORY(err, "writing files");
+    pith_status status = PITH_OK;
+    size_t written = 0, renamed = 0;
+    for (; status == PITH_OK && written < count; written += status == PITH_OK) {
+        temporary[written] = temporary_name(files[written].path);
+        status = temporary[written] ? write_temporary(&files[written], temporary[written], err)
+                                    : PITH_OUT_OF_MEMORY(err, files[written].path);
     }
+    for (; status == PITH_OK && renamed < count; renamed += status == PITH_OK)
+        if (rename(temporary[renamed], files[renamed].path) != 0)
+            status = pith_fail(err, PITH_IO, "%s: cannot be written: %s", files[renamed].path, strerror(errno));
+    for (size_t i = renamed; i < written; ++i) remove(temporary[i]);
+    for (size_t i = 0; i < count; ++i) pith_free(temporary[i]);
     pith_free(temporary);
     return status;
+}
+
+pith_status pith_file_write(const char *path, const void *bytes, size_t size, pith_error *err)
+{
+    return pith_files_write(&(pith_file_part){ path, bytes, size }, 1, err);
 }
 
 bool pith_path_has_extension(const char *path, const char *extension)

@@ -142,7 +142,9 @@ int cli_print_json(json_t *json);
 /* EXIT_FAILED with a sentence when what was printed did not all arrive. */
 int cli_finish_output(const char *verb);
 json_t *cli_point_json(pith_vec3 point);
-/* A picture of pith_render into a .png or .jpg; a .jpg when nothing of it is seen through. */
+/* Whether a file's ending is one of a picture: .png, .jpg or .exr. */
+bool cli_is_picture(const char *path);
+/* A picture of pith_render into such a file; a .jpg when nothing of it is seen through. */
 pith_status cli_write_picture(const pith_image *image, const char *path, pith_error *err);
 /* The program's own folder ends up in path, with a slash at the end. */
 void cli_program_folder(char *path, size_t capacity);

@@ -64,12 +64,21 @@ void cli_progress_done(void)
 
 /* ---- pictures ---------------------------------------------------------------------------------------------------- */
 
+bool cli_is_picture(const char *path)
+{
+    static const char *const endings[] = { "png", "jpg", "jpeg", "exr" };
+    for (size_t i = 0; i < sizeof endings / sizeof *endings; ++i)
+        if (pith_path_has_extension(path, endings[i])) return true;
+    return false;
+}
+
 pith_status cli_write_picture(const pith_image *image, const char *path, pith_error *err)
 {
     const size_t pixels = (size_t)image->width * image->height;
     bool opaque = image->channels == 4;
     for (size_t i = 0; opaque && i < pixels; ++i) opaque = image->pixels[4 * i + 3] >= 1.0f - 1e-6f;
-    if (pith_path_has_extension(path, "png") || !opaque) return pith_image_write(image, path, 92, err);
+    const bool jpeg = pith_path_has_extension(path, "jpg") || pith_path_has_extension(path, "jpeg");
+    if (!jpeg || !opaque) return pith_image_write(image, path, 92, err);
     pith_image *plain = NULL;
     PITH_TRY(pith_image_create(image->width, image->height, 3, &plain, err));
     for (size_t i = 0; i < pixels; ++i) memcpy(plain->pixels + 3 * i, image->pixels + 4 * i, 3 * sizeof *plain->pixels);

@@ -1,5 +1,6 @@
-/* pith bake: the solid as a voxel grid, or the tetrahedra with what pith knows of them. */
-#include "cli.h"
+/* pith bake: the solid as a voxel grid, the surface with a picture of it, or the tetrahedra with what pith knows of
+   them. */
+#include "bake_atlas.h"
 
 #include <string.h>
 
@@ -193,17 +194,83 @@ static pith_status bake_tets(const cli_model *opened, pith_model *body, const ch
     return status;
 }
 
+/* ---- the verb ---------------------------------------------------------------------------------------------------- */
+
+typedef enum bake_kind { BAKE_NOTHING, BAKE_VOXELS, BAKE_TETS, BAKE_ATLAS } bake_kind;
+
+typedef struct bake_flags {
+    const char *out, *type, *body;
+    int voxels;
+    bool has_voxels, has_type, atlas;
+    cli_cut cut;
+} bake_flags;
+
+static bake_kind kind_of(const char *out)
+{
+    if (!out) return BAKE_NOTHING;
+    if (pith_path_has_extension(out, "nrrd")) return BAKE_VOXELS;
+    if (pith_path_has_extension(out, "vtu")) return BAKE_TETS;
+    return pith_path_has_extension(out, "glb") || pith_path_has_extension(out, "obj") ? BAKE_ATLAS : BAKE_NOTHING;
+}
+
+/* Flags of another kind of file would change nothing without a word. */
+static int check_flags(const cli_line *line, const bake_flags *asked, bake_kind kind)
+{
+    if (kind == BAKE_NOTHING)
+        return cli_misuse("bake", "expected -o FILE ending in .nrrd, .vtu, .glb or .obj%s%s", asked->out ? ", got " : "",
+                          asked->out ? asked->out : "");
+    if (strcmp(asked->type, "uchar") != 0 && strcmp(asked->type, "float") != 0)
+        return cli_misuse("bake", "--type is \"%s\", expected uchar or float", asked->type);
+    if (kind != BAKE_VOXELS && (asked->has_voxels || asked->has_type))
+        return cli_misuse("bake", "--%s is of voxel grids, and %s is none", asked->has_voxels ? "voxels" : "type",
+                          asked->out);
+    const char *of_atlas = asked->atlas ? "--atlas" : cli_only_of(line, &pith_atlas_params);
+    if (kind != BAKE_ATLAS && of_atlas)
+        return cli_misuse("bake", "%s is of texture atlases, which are .glb or .obj; %s is neither", of_atlas,
+                          asked->out);
+    if (kind != BAKE_ATLAS && (asked->cut.has_plane || asked->cut.has_stroke))
+        return cli_misuse("bake", "%s is baked uncut; --plane and --stroke go with .glb and .obj", asked->out);
+    const int code = cli_check_cut(line, &asked->cut);
+    return code == CLI_GO_ON ? cli_check_out("bake", asked->out) == CLI_GO_ON ? CLI_GO_ON : EXIT_FAILED : code;
+}
+
+static int run(const cli_model *opened, const cli_line *line, const bake_flags *asked, bake_kind kind, bool json)
+{
+    pith_error err;
+    pith_status status;
+    pith_model *body = NULL;
+    json_t *told = NULL;
+    if (asked->body || kind == BAKE_TETS || (kind == BAKE_VOXELS && pith_model_bodies(opened->model) == 1)) {
+        const int code = cli_choose_body("bake", opened, asked->body, &body);
+        if (code != CLI_GO_ON) return code;
+    }
+    if (kind == BAKE_TETS) status = bake_tets(opened, body, asked->out, &err);
+    else if (kind == BAKE_VOXELS)
+        status = bake_voxels(opened, body, asked->out, (uint32_t)asked->voxels, strcmp(asked->type, "uchar") == 0, &err);
+    else status = bake_atlas(opened, line, &asked->cut, asked->body, asked->out, json ? &told : NULL, &err);
+    if (status != PITH_OK) return cli_fail("bake", &err);
+    if (!json) return EXIT_DONE;
+    return cli_print_json(told ? told : json_pack("{ss}", "file", asked->out));
+}
+
 int verb_bake(int argc, char **argv)
 {
     cli_model_flags common = { 0 };
-    const char *out = NULL, *type = "uchar", *name = NULL;
-    int voxels = 128;
+    bake_flags asked = { .type = "uchar", .voxels = 128 };
     const cli_flag flags[] = {
-        { "out", 'o', CLI_TEXT, &out, "FILE", ".nrrd: a gzipped grid; .vtu: the tetrahedra, for ParaView", 0, 0, NULL },
-        { "body", 0, CLI_TEXT, &name, "NAME", "of several bodies only this one; a .vtu holds one", 0, 0, NULL },
-        { "voxels", 0, CLI_WHOLE, &voxels, "N", "along the longest side; default 128", 2, 2048, NULL },
-        { "type", 0, CLI_TEXT, &type, "uchar|float", "8-bit sRGB, or linear 32-bit floats; default uchar", 0, 0, NULL },
-        CLI_THREADS_FLAG(common), CLI_CACHE_FLAG(common),
+        { "out", 'o', CLI_TEXT, &asked.out, "FILE",
+          ".nrrd: a gzipped grid; .glb, .obj: a texture atlas; .vtu: the tetrahedra, for ParaView", 0, 0, NULL },
+        { "body", 0, CLI_TEXT, &asked.body, "NAME", "of several bodies only this one; a .vtu holds one", 0, 0, NULL },
+        { "voxels", 0, CLI_WHOLE, &asked.voxels, "N", "along the longest side; default 128", 2, 2048,
+          &asked.has_voxels },
+        { "type", 0, CLI_TEXT, &asked.type, "uchar|float",
+          "voxels in 8-bit sRGB, or linear 32-bit floats; default uchar", 0, 0, &asked.has_type },
+        { "atlas", 0, CLI_SWITCH, &asked.atlas, NULL, "a texture atlas: what .glb and .obj are without saying so", 0, 0,
+          NULL },
+        CLI_CUT_FLAGS(asked.cut),
+        { "no-displacement", 0, CLI_SWITCH, &common.no_displacement, NULL,
+          "leave the skin where it is, whatever the document says", 0, 0, NULL },
+        CLI_JSON_FLAG(common), CLI_THREADS_FLAG(common), CLI_CACHE_FLAG(common),
     };
     cli_line line = {
         .verb = "bake",
@@ -212,32 +279,26 @@ int verb_bake(int argc, char **argv)
         .most_words = 1,
         .flags = flags,
         .flag_count = sizeof flags / sizeof *flags,
+        .tables = { &pith_cut_step_params, &pith_atlas_params },
         .summary =
             "Asks the solid at the middle of every voxel that lies inside the shape, and writes an NRRD with the\n"
-            "shape's own coordinates, over all bodies when there are several. Voxels outside have opacity 0. Into\n"
-            "a .vtu go the tetrahedra of a body instead, with colour and all its fields at their vertices.",
+            "shape's own coordinates, over all bodies when there are several. Voxels outside have opacity 0.\n"
+            "\n"
+            "Into a .glb or .obj goes the surface that the cuts leave, skin and sections, with a picture of the solid\n"
+            "on it for programs that know nothing of solids: charts that never overlap, at least --density texels per\n"
+            "model unit everywhere. An .obj comes with an .mtl and a .png beside it.\n"
+            "\n"
+            "Into a .vtu go the tetrahedra of a body, with colour and all its fields at their vertices.",
     };
-    const int code = cli_parse(&line, argc, argv);
+    int code = cli_parse(&line, argc, argv);
     if (code != CLI_GO_ON) return code;
-    const bool tets = out && pith_path_has_extension(out, "vtu");
-    if (!out || !(tets || pith_path_has_extension(out, "nrrd")))
-        return cli_misuse("bake", "expected -o FILE ending in .nrrd or .vtu%s%s", out ? ", got " : "", out ? out : "");
-    const bool bytes = strcmp(type, "uchar") == 0;
-    if (!bytes && strcmp(type, "float") != 0)
-        return cli_misuse("bake", "--type is \"%s\", expected uchar or float", type);
-    if (cli_check_out("bake", out) != CLI_GO_ON) return EXIT_FAILED;
+    const bake_kind kind = kind_of(asked.out);
+    code = check_flags(&line, &asked, kind);
+    if (code != CLI_GO_ON) return code;
     cli_model opened;
-    const int open = cli_open("bake", line.word[0], &common, &opened);
-    if (open != CLI_GO_ON) return open;
-    pith_model *body = NULL;
-    int result = CLI_GO_ON;
-    if (name || tets || pith_model_bodies(opened.model) == 1) result = cli_choose_body("bake", &opened, name, &body);
-    if (result == CLI_GO_ON) {
-        pith_error err;
-        const pith_status status = tets ? bake_tets(&opened, body, out, &err)
-                                        : bake_voxels(&opened, body, out, (uint32_t)voxels, bytes, &err);
-        result = status == PITH_OK ? EXIT_DONE : cli_fail("bake", &err);
-    }
+    code = cli_open("bake", line.word[0], &common, &opened);
+    if (code != CLI_GO_ON) return code;
+    code = run(&opened, &line, &asked, kind, common.json);
     cli_close(&opened);
-    return result;
+    return code;
 }

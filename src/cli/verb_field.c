@@ -14,9 +14,7 @@ typedef enum field_kind { KIND_LINES, KIND_MESH, KIND_PICTURE, KIND_NONE } field
 /* What goes into a file, by its extension. */
 static field_kind kind_of(const char *path, bool glyphs)
 {
-    if (pith_path_has_extension(path, "png") || pith_path_has_extension(path, "jpg") ||
-        pith_path_has_extension(path, "jpeg"))
-        return KIND_PICTURE;
+    if (cli_is_picture(path)) return KIND_PICTURE;
     if (pith_path_has_extension(path, "vtp")) return KIND_LINES;
     if (pith_path_has_extension(path, "glb")) return glyphs ? KIND_MESH : KIND_LINES;
     return pith_path_has_extension(path, "ply") || pith_path_has_extension(path, "obj") ? KIND_MESH : KIND_NONE;
@@ -232,13 +230,14 @@ static int check_flags(const field_flags *asked, bool json)
         const char *path = asked->out.items[i];
         const field_kind kind = kind_of(path, asked->glyphs);
         if (kind == KIND_NONE)
-            return cli_misuse("field", "-o is %s, expected a file ending in .vtp, .glb, .ply, .obj, .png or .jpg",
+            return cli_misuse("field", "-o is %s, expected a file ending in .vtp, .glb, .ply, .obj, .png, .jpg or .exr",
                               path);
         if (asked->glyphs && kind == KIND_LINES)
             return cli_misuse("field", "%s: a .vtp holds lines; arrows go into .glb, .ply, .obj or a picture", path);
         if (asked->depth && kind != KIND_PICTURE)
             return cli_misuse("field",
-                              "%s: --depth makes pictures, .png or .jpg; pith bake -o FILE.vtu writes the field", path);
+                              "%s: --depth makes pictures, .png, .jpg or .exr; pith bake -o FILE.vtu writes the field",
+                              path);
     }
     int code = cli_check_camera("field", &asked->camera);
     for (int i = 0; code == CLI_GO_ON && i < asked->out.count; ++i)
@@ -251,7 +250,7 @@ static const char summary[] =
     "  .vtp           streamlines, each with a colour, for ParaView\n"
     "  .glb           the same; with --glyphs arrows\n"
     "  .ply .obj      layers, as meshes with colours and normals; without --layer tubes or arrows\n"
-    "  .png .jpg      a picture of all that, or with --depth of the depth on a section\n"
+    "  .png .jpg .exr a picture of all that, or with --depth of the depth on a section\n"
     "Colours of depth go from red outside by yellow, green and cyan to blue at the core.";
 
 /* Flags that are words, before they are looked up. */

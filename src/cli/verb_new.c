@@ -6,7 +6,8 @@
 #include <string.h>
 
 static const char *const template_names[] = { "kiwi", "carrot", "tree", "watermelon", "sponge", "tube", "muscle",
-                                              "flattened", "bricks", "strata", "cake", NULL };
+                                              "flattened", "bricks", "strata", "cake", "wood", "granite", "marble", "bubbles",
+                                              NULL };
 
 /* ---- JSON files -------------------------------------------------------------------------------------------------- */
 

@@ -21,24 +21,32 @@ static pith_status nothing_left(const cli_model *opened, pith_error *err)
                      pith_document_title(opened->document));
 }
 
+/* A picture of nothing is not what anybody wants. */
+static pith_status check_view(const cli_model *opened, const pith_camera *camera, const pith_box *box, double aspect,
+                              pith_error *err)
+{
+    if (!pith_finite(camera->eye) || pith_camera_sees(camera, box, aspect)) return PITH_OK;
+    return pith_fail(err, PITH_BAD_ARGUMENT,
+                     "%s: the camera at (%g, %g, %g) sees nothing: the model, from (%g, %g, %g) to (%g, %g, %g), lies "
+                     "behind it or beside the picture; move the eye or the target, or give a direction alone",
+                     pith_document_title(opened->document), camera->eye.x, camera->eye.y, camera->eye.z, box->low.x,
+                     box->low.y, box->low.z, box->high.x, box->high.y, box->high.z);
+}
+
 static pith_status render_surface(const cli_model *opened, const cli_line *line, const render_flags *asked,
                                   pith_error *err)
 {
     pith_render_options options;
     const pith_render_item *items;
     size_t count;
-    PITH_TRY(pith_model_items(opened->model, &items, &count, err));
+    PITH_TRY(pith_model_scene(opened->model, &items, &count, err));
     if (count == 0) return nothing_left(opened, err);
     PITH_TRY(pith_model_view(opened->model, &(pith_camera){ 0 }, &options, err));
     cli_apply_params(line, &pith_render_params, &options);
-    pith_box box = pith_box_empty();
-    for (size_t i = 0; i < count; ++i) {
-        const pith_shell_view shell = pith_shell_look(items[i].shell);
-        for (uint32_t v = 0; v < shell.vertex_count; ++v)
-            pith_box_add(&box, pith_add(shell.positions[v], items[i].offset));
-    }
+    const pith_box box = pith_render_box(items, count);
     const double aspect = (double)options.width / options.height;
     const pith_camera camera = cli_place_camera(&asked->camera, opened->document, &box, aspect);
+    PITH_TRY(check_view(opened, &camera, &box, aspect, err));
     pith_image *image = NULL;
     PITH_TRY(pith_render(items, count, &camera, &options, cli_progress(), &image, err));
     return write_picture(image, asked->out, err);
@@ -63,6 +71,7 @@ static pith_status render_volume(const cli_model *opened, const cli_line *line, 
     }
     const double aspect = (double)options.width / options.height;
     const pith_camera camera = cli_place_camera(&asked->camera, opened->document, &box, aspect);
+    PITH_TRY(check_view(opened, &camera, &box, aspect, err));
     pith_image *image = NULL;
     PITH_TRY(
         pith_render_volume(items, count, &camera, &options, transfer, transfer_count, cli_progress(), &image, err));
@@ -85,9 +94,9 @@ static int check_kind(const cli_line *line, bool through)
 static int check_flags(const cli_line *line, const render_flags *asked)
 {
     const char *out = asked->out;
-    if (!out || !(pith_path_has_extension(out, "png") || pith_path_has_extension(out, "jpg") ||
-                  pith_path_has_extension(out, "jpeg")))
-        return cli_misuse("render", "expected -o FILE ending in .png or .jpg%s%s", out ? ", got " : "", out ? out : "");
+    if (!out || !cli_is_picture(out))
+        return cli_misuse("render", "expected -o FILE ending in .png, .jpg or .exr%s%s", out ? ", got " : "",
+                          out ? out : "");
     if (asked->volume && asked->surface) return cli_misuse("render", "--volume and --surface exclude one another");
     int code = cli_check_camera("render", &asked->camera);
     if (code == CLI_GO_ON) code = cli_check_cut(line, &asked->cut);
@@ -100,7 +109,7 @@ int verb_render(int argc, char **argv)
     cli_model_flags common = { 0 };
     render_flags asked = { 0 };
     const cli_flag flags[] = {
-        { "out", 'o', CLI_TEXT, &asked.out, "FILE", "the picture: .png or .jpg", 0, 0, NULL },
+        { "out", 'o', CLI_TEXT, &asked.out, "FILE", "the picture: .png, .jpg or .exr", 0, 0, NULL },
         CLI_CAMERA_FLAGS(asked.camera),
         CLI_CUT_FLAGS(asked.cut),
         { "volume", 0, CLI_SWITCH, &asked.volume, NULL, "look through the model, though the document does not say so",

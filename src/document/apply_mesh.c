@@ -28,12 +28,10 @@ void kept_mesh_release(kept_mesh *shared)
 /* What of the body's shape decides over its faces; not its tets, which leave them as they are. */
 static json_t *form_of(const json_t *shape)
 {
-    static const char *const forms[] = { "mesh", "fruit", "slab" };
-    for (size_t i = 0; i < sizeof forms / sizeof *forms; ++i) {
-        const json_t *form = json_object_get(shape, forms[i]);
-        if (form) return json_pack("{so}", forms[i], json_deep_copy(form));
-    }
-    return NULL;
+    json_t *form = json_deep_copy(shape);
+    json_object_del(form, "tets");
+    json_object_del(form, "refine");
+    return form;
 }
 
 static pith_status fill_mesh(kept_mesh *made, const edit *at)

@@ -52,12 +52,36 @@ pith_status document_strokes(pith_document *made, const json_t *list, pith_strok
 
 /* ---- shape and fields -------------------------------------------------------------------------------------------------- */
 
+static pith_status build_turned(pith_document *made, const json_t *from, document_turned *to, pith_error *err)
+{
+    const json_t *list = json_object_get(from, "profile");
+    json_options(from, &document_turned_params, &to->options);
+    to->count = json_array_size(list);
+    to->profile = arena_alloc(&made->memory, to->count, sizeof *to->profile);
+    if (!to->profile) return PITH_OUT_OF_MEMORY(err, "a profile");
+    for (size_t i = 0; i < to->count; ++i) {
+        profile_value value;
+        json_options(json_array_get(list, i), &document_profile_params, &value);
+        to->profile[i] = (pith_profile_point){ value.z, value.r, value.corner };
+    }
+    return PITH_OK;
+}
+
 static pith_status build_shape(pith_document *made, const json_t *shape, document_body *to, pith_error *err)
 {
     PITH_TRY(document_path(made, shape, "mesh", &to->mesh_file, err));
-    to->shape = to->mesh_file ? SHAPE_MESH : json_object_get(shape, "slab") ? SHAPE_SLAB : SHAPE_FRUIT;
+    to->shape = to->mesh_file                       ? SHAPE_MESH
+                : json_object_get(shape, "slab")   ? SHAPE_SLAB
+                : json_object_get(shape, "block")  ? SHAPE_BLOCK
+                : json_object_get(shape, "turned") ? SHAPE_TURNED
+                                                   : SHAPE_FRUIT;
     json_options(json_object_get(shape, "fruit"), &pith_fruit_params, &to->fruit);
     json_options(json_object_get(shape, "slab"), &pith_slab_params, &to->slab);
+    json_options(json_object_get(shape, "block"), &pith_block_params, &to->block);
+    PITH_TRY(build_turned(made, json_object_get(shape, "turned"), &to->turned, err));
+    const json_t *place = json_object_get(shape, "place");
+    to->placed = place != NULL;
+    json_options(place, &pith_placement_params, &to->placement);
     json_options(json_object_get(shape, "tets"), &pith_tets_params, &to->tets);
     const json_t *refine = json_object_get(shape, "refine");
     json_options(refine, &pith_refine_params, &to->refine);
@@ -302,8 +326,10 @@ static pith_status build_solid(pith_document *made, reader *in, const json_t *fr
             return reader_fail(in, "is \"%s\", as solids[%td] already is; names must differ", to->name,
                                other - body->solids);
         }
-    to->kind = strcmp(json_string_value(json_object_get(from, "kind")), "grid") == 0 ? SOLID_GRID : SOLID_LAPPED;
+    const char *kind = json_string_value(json_object_get(from, "kind"));
+    to->kind = strcmp(kind, "grid") == 0 ? SOLID_GRID : strcmp(kind, "lapped") == 0 ? SOLID_LAPPED : SOLID_PROCEDURAL;
     if (to->kind == SOLID_LAPPED) return build_lapped(made, in, from, body, to);
+    if (to->kind == SOLID_PROCEDURAL) return graph_build(made, in, from, body, &to->graph);
     json_options(from, &document_grid_params, &to->grid);
     PITH_TRY(document_path(made, from, "file", &to->grid_file, in->err));
     return check_voxels(in, from, to->grid_file, 1);
@@ -359,6 +385,7 @@ pith_status body_build(pith_document *made, reader *in, const json_t *from, docu
     const json_t *displacement = json_object_get(from, "displacement");
     to->displaced = displacement != NULL;
     json_options(displacement, &pith_displacement_params, &to->displacement);
+    json_options(json_object_get(from, "finish"), &document_finish_params, &to->finish);
     return build_solids(made, in, from, to);
 }
 

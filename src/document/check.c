@@ -210,6 +210,43 @@ static pith_status check_sizes(const reader *in, const json_t *value)
     return PITH_OK;
 }
 
+static pith_status check_matrix(const reader *in, const json_t *value)
+{
+    static const char expected[] = "three rows of four numbers, or four of which the last is [0, 0, 0, 1]";
+    const size_t rows = json_array_size(value);
+    if (rows != 3 && rows != 4) return reader_fail(in, "expected %s", expected);
+    for (size_t i = 0; i < rows; ++i) {
+        const json_t *row = json_array_get(value, i);
+        bool good = json_array_size(row) == 4;
+        for (size_t j = 0; good && j < 4; ++j) {
+            const json_t *entry = json_array_get(row, j);
+            good = json_is_number(entry) && (i < 3 || json_number_value(entry) == (j == 3));
+        }
+        if (!good) return reader_fail(in, "row %zu is not as expected: %s", i, expected);
+    }
+    return PITH_OK;
+}
+
+/* The names of nodes are looked at when the graph is built. */
+static pith_status check_input(const reader *in, const json_t *value)
+{
+    if (json_is_number(value)) return PITH_OK;
+    if (!json_is_string(value)) return wrong_type(in, value, "the name of a node, a number or a colour");
+    return json_string_value(value)[0] == '#' ? check_colour(in, value) : check_text(in, value, "the name of a node");
+}
+
+static pith_status check_inputs(reader *in, const json_t *value)
+{
+    if (!json_is_array(value)) return check_input(in, value);
+    if (json_array_size(value) == 0) return reader_fail(in, "is empty, expected one or more");
+    for (size_t i = 0; i < json_array_size(value); ++i) {
+        const size_t length = reader_enter_at(in, i);
+        PITH_TRY(check_input(in, json_array_get(value, i)));
+        reader_leave(in, length);
+    }
+    return PITH_OK;
+}
+
 static pith_status check_index(const reader *in, const json_t *value)
 {
     if (json_is_integer(value) && json_integer_value(value) >= 0 && json_integer_value(value) < PITH_NONE)
@@ -241,10 +278,11 @@ static const grammar_key *find_key(const grammar *rules, const char *name)
     return NULL;
 }
 
-/* An entry without "kind" most likely has it misspelt: a key that no kind knows is told first. */
+/* An entry without "kind", or what that key is called here, most likely has it misspelt: a key that no kind knows is
+   told first. */
 static pith_status kind_missing(const reader *in, json_t *entry, const grammar *kinds, const char *list)
 {
-    static const char *const word[] = { "kind", NULL };
+    const char *const word[] = { kinds_word(kinds), NULL };
     const char *name;
     json_t *value;
     json_object_foreach(entry, name, value) {
@@ -252,16 +290,16 @@ static pith_status kind_missing(const reader *in, json_t *entry, const grammar *
         for (const grammar *rules = kinds; rules->name; ++rules)
             known |= find_key(rules, name) || (rules->params && pith_params_find(rules->params, name));
         if (!known && pith_nearest_word(name, word))
-            return reader_fail(in, "unknown key \"%.60s\"; did you mean \"kind\"?", name);
+            return reader_fail(in, "unknown key \"%.60s\"; did you mean \"%s\"?", name, word[0]);
     }
-    return reader_fail(in, "\"kind\" is missing, expected %s", list);
+    return reader_fail(in, "\"%s\" is missing, expected %s", word[0], list);
 }
 
-/* Objects told apart by the word behind "kind". */
+/* Objects told apart by the word behind "kind", or what that key is called here. */
 static pith_status check_kinds(reader *in, json_t *value, const grammar *kinds)
 {
-    const char *words[16];
-    char list[200] = "";
+    const char *words[MOST_FUNCTIONS + 1], *const word = kinds_word(kinds);
+    char list[400] = "";
     size_t count = 0;
     for (; kinds[count].name; ++count) {
         words[count] = kinds[count].name;
@@ -274,17 +312,18 @@ static pith_status check_kinds(reader *in, json_t *value, const grammar *kinds)
         const size_t length = reader_enter_at(in, i);
         json_t *entry = json_array_get(value, i);
         if (!json_is_object(entry)) return wrong_type(in, entry, "an object");
-        if (!json_object_get(entry, "kind")) return kind_missing(in, entry, kinds, list);
-        const char *kind = json_string_value(json_object_get(entry, "kind"));
+        if (!json_object_get(entry, word)) return kind_missing(in, entry, kinds, list);
+        const char *kind = json_string_value(json_object_get(entry, word));
         if (!kind) {
-            reader_enter(in, "kind");
-            return wrong_type(in, json_object_get(entry, "kind"), list);
+            reader_enter(in, word);
+            return wrong_type(in, json_object_get(entry, word), list);
         }
         size_t k = 0;
         while (k < count && strcmp(kind, kinds[k].name) != 0) ++k;
         if (k == count) {
             const char *near = pith_nearest_word(kind, words);
-            reader_enter(in, "kind");
+            reader_enter(in, word);
+            if (near && count > 8) return reader_fail(in, "is \"%.40s\"; did you mean \"%s\"?", kind, near);
             return reader_fail(in, "is \"%.40s\", expected %s%s%s%s", kind, list, near ? "; did you mean \"" : "",
                                near ? near : "", near ? "\"?" : "");
         }
@@ -309,6 +348,9 @@ static pith_status check_value(reader *in, json_t *value, const grammar_key *key
     case VALUE_FACES: return check_faces(in, value);
     case VALUE_SIZES: return check_sizes(in, value);
     case VALUE_INDEX: return check_index(in, value);
+    case VALUE_MATRIX: return check_matrix(in, value);
+    case VALUE_INPUT: return check_input(in, value);
+    case VALUE_INPUTS: return check_inputs(in, value);
     case VALUE_ANY: return PITH_OK;
     case VALUE_OBJECT: return grammar_check(in, value, key->inner);
     case VALUE_LIST: return check_list(in, value, key->inner);

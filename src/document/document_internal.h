@@ -5,6 +5,7 @@
 #include <jansson.h>
 
 #include "pith/document.h"
+#include "pith/procedural.h"
 
 /* ---- grammar: which keys an object may have ------------------------------------------------------------------ */
 
@@ -22,10 +23,14 @@ typedef enum value_kind {
     VALUE_FACES,    /* "all" or a list of indices */
     VALUE_SIZES,    /* [r, s, t], whole numbers 8 .. 256 */
     VALUE_INDEX,    /* a whole number from 0 */
+    VALUE_MATRIX,   /* three or four rows of four numbers; the last of four is 0, 0, 0, 1 */
+    VALUE_INPUT,    /* a node's name, a number or "#rrggbb" */
+    VALUE_INPUTS,   /* one of these, or a list of them */
     VALUE_ANY,      /* whatever JSON there is; what it becomes part of is checked */
     VALUE_OBJECT,   /* an object of the inner grammar */
     VALUE_LIST,     /* a list of objects of the inner grammar */
-    VALUE_KINDS     /* a list of objects; "kind" says which of the inner grammars (NULL-named end) each follows */
+    VALUE_KINDS     /* a list of objects; a word, "kind" or what the second key of the inner grammars is called, says
+                       which of them (NULL-named end) each follows */
 } value_kind;
 
 typedef struct grammar grammar;
@@ -98,6 +103,16 @@ typedef struct document_operation {
 } document_operation;
 extern const document_operation document_operations[]; /* the last has no name */
 
+/* All parameter tables, NULL at the end. */
+enum { MOST_TABLES = 100 };
+extern const pith_params *document_tables[MOST_TABLES];
+
+/* Of functions of procedural solids: their options, inputs and assets; "function" says which (grammar_functions.c). */
+enum { MOST_FUNCTIONS = 63 };
+extern grammar grammar_functions[MOST_FUNCTIONS + 1];
+
+/* The key that says which of the kinds an entry is. */
+const char *kinds_word(const grammar *kinds);
 /* The grammar that a checked entry of a list of kinds follows. */
 const grammar *grammar_of_kind(const grammar *kinds, const json_t *entry);
 /* The object with its keys in the grammar's order; a new reference or NULL (no memory). */
@@ -127,7 +142,20 @@ typedef struct document_exemplar {
     pith_recipe *recipe;            /* or NULL; owned by the document */
 } document_exemplar;
 
-typedef enum solid_kind { SOLID_LAPPED, SOLID_GRID } solid_kind;
+typedef struct document_body document_body;
+
+/* A graph of functions; assets of its nodes are paths yet. */
+typedef struct document_graph {
+    pith_node *nodes;               /* [count]; nodes written in place of inputs are the last */
+    const char **images, **grids;   /* [count] resolved paths, or NULL */
+    size_t count;
+    uint32_t colour, opacity, displacement;
+    struct graph_options { uint64_t seed; } options;
+    bool directed;                  /* a node follows the body's direction field */
+    uint64_t hash;                  /* of all it says, but for what is in the files */
+} document_graph;
+
+typedef enum solid_kind { SOLID_LAPPED, SOLID_GRID, SOLID_PROCEDURAL } solid_kind;
 typedef struct grid_options { bool clamp; } grid_options;
 
 typedef struct document_solid {
@@ -139,6 +167,7 @@ typedef struct document_solid {
     size_t paste_count;
     const char *grid_file;
     grid_options grid;
+    document_graph graph;
 } document_solid;
 
 typedef struct paste_options { double size, mask_radius, drop_off; } paste_options;
@@ -168,15 +197,33 @@ typedef struct document_facing { pith_vec3 direction; double within; } document_
 /* Marks those [triangle_count], and no others; says how many. */
 size_t facing_mark(const document_facing *to, const pith_mesh_view *mesh, bool *marked);
 
+/* A profile turned about the z axis: quadrics, exact in pictures of what is not cut, and their twin of triangles. */
+typedef struct turned_options { double edge; } turned_options;
+typedef struct profile_value { double z, r; bool corner; } profile_value;
+typedef struct document_turned {
+    pith_profile_point *profile;    /* [count] */
+    size_t count;
+    turned_options options;
+} document_turned;
+/* The quadrics where they stand; pith_free them. The body is turned. */
+pith_status turned_quadrics(const document_body *body, pith_quadric **quadrics, size_t *count, pith_error *err);
+
+/* How a body's surface takes the light. */
+typedef struct finish_options { double reflectivity; } finish_options;
+
 /* One body: what stands at the top level of a document, or in an entry of its "bodies". */
-typedef struct document_body {
+struct document_body {
     const char *name;               /* "" when it is the only one */
     const char *place;              /* what stands before its keys in messages: "" or "bodies[2]." */
 
-    enum { SHAPE_MESH, SHAPE_FRUIT, SHAPE_SLAB } shape;
+    enum { SHAPE_MESH, SHAPE_FRUIT, SHAPE_SLAB, SHAPE_BLOCK, SHAPE_TURNED } shape;
     const char *mesh_file;          /* resolved path */
     pith_fruit_options fruit;
     pith_slab_options slab;
+    pith_block_options block;
+    document_turned turned;
+    bool placed;
+    pith_placement placement;
     pith_tets_options tets;
     pith_refine_options refine;
 
@@ -194,7 +241,8 @@ typedef struct document_body {
     size_t solid_count, solid;      /* solid: the one the body is made of */
     bool displaced;
     pith_displacement_options displacement;
-} document_body;
+    finish_options finish;
+};
 
 typedef struct document_camera {
     bool placed;                    /* eye, target, up; else fitted from direction */
@@ -253,6 +301,11 @@ pith_status body_build(pith_document *made, reader *in, const json_t *from, docu
 /* Frees what a body holds outside the document's memory. */
 void body_clear(document_body *body);
 
+/* From the checked object of a procedural solid; `in` stands there. Refuses names of nodes that are not there, and what
+   pith_procedural_check does. */
+pith_status graph_build(pith_document *made, reader *in, const json_t *from, const document_body *body,
+                        document_graph *to);
+
 /* Refuses a cut along a stroke that no model of this document can be cut along, such as one that crosses itself; made:
    everything else of it is there. */
 pith_status strokes_check(const pith_document *made, reader *in);
@@ -262,11 +315,15 @@ typedef struct type_needs { const char *word; bool depth, direction, vectors, sc
 const type_needs *type_needs_of(uint32_t type);
 
 extern const pith_params document_grid_params, document_lens_params, document_depth_value_params,
-    document_constraint_params, document_recipe_params, document_stop_params;
+    document_turned_params, document_profile_params, document_finish_params, document_constraint_params,
+    document_recipe_params, document_stop_params, document_graph_params,
+    document_map_stop_params, document_wave_params;
 extern const pith_params document_part_params;
 extern const pith_params document_scale_value_params, document_paste_params, document_transfer_params;
 typedef struct depth_value { double depth, within; } depth_value; /* within: of constraints only */
 typedef struct transfer_value { double value, opacity; } transfer_value;
+typedef struct map_stop_value { double at, opacity; } map_stop_value;
+typedef struct wave_value { double amplitude, phase; } wave_value;
 typedef struct stop_value { double depth, opacity; } stop_value;
 typedef struct recipe_options { uint64_t seed; double strip_blend; bool homogeneous; } recipe_options;
 

@@ -94,19 +94,47 @@ static const pith_param transfer_items[] = {
 };
 const pith_params document_transfer_params = { "transfer", transfer_items, 2, sizeof(transfer_value) };
 
-const pith_params *const *pith_document_tables(void)
-{
-    static const pith_params *const tables[] = {
-        &pith_fruit_params, &pith_slab_params, &pith_tets_params, &pith_refine_params, &document_depth_value_params,
-        &document_constraint_params, &pith_depth_params, &pith_smoothing_params, &pith_tangent_params, &pith_volume_field_params,
+static const pith_param turned_items[] = {
+    { "edge", "1", "edges of the triangles it is cut and filled by, as a fraction of the profile's length; pictures of "
+      "what is not cut are exact", PITH_PARAM_DOUBLE, 0.002, 0.03, 0.5, offsetof(turned_options, edge), NULL },
+};
+const pith_params document_turned_params = { "turned", turned_items, 1, sizeof(turned_options) };
+
+static const pith_param profile_items[] = {
+    { "z", "model units", "height; never below that of the point before, of equal ones the second makes a step",
+      PITH_PARAM_DOUBLE, -1e6, 0, 1e6, offsetof(profile_value, z), NULL },
+    { "r", "model units", "distance from the axis; 0 only at the ends", PITH_PARAM_DOUBLE, 0, 0, 1e6,
+      offsetof(profile_value, r), NULL },
+    { "corner", "1", "there is an edge; else the profile runs through smoothly", PITH_PARAM_BOOL, 0, 0, 1,
+      offsetof(profile_value, corner), NULL },
+};
+const pith_params document_profile_params = { "profile", profile_items, 3, sizeof(profile_value) };
+
+static const pith_param finish_items[] = {
+    { "reflectivity", "1", "light mirrored head on, more towards grazing: 0.04 varnish or polished stone, 1 a mirror; "
+      "seen where `render` has bounces", PITH_PARAM_DOUBLE, 0, 0, 1, offsetof(finish_options, reflectivity), NULL },
+};
+const pith_params document_finish_params = { "finish", finish_items, 1, sizeof(finish_options) };
+
+static const pith_param graph_items[] = {
+    { "seed", "1", "another seed makes every random choice of the solid another", PITH_PARAM_SEED, 0, 1, 0x1p53,
+      offsetof(struct graph_options, seed), NULL },
+};
+const pith_params document_graph_params = { "procedural", graph_items, 1, sizeof(struct graph_options) };
+
+/* Those of the document and its parts; grammar_functions.c adds those of the functions of procedural solids. */
+const pith_params *document_tables[MOST_TABLES] = {
+    &pith_fruit_params, &pith_slab_params, &pith_tets_params, &pith_refine_params, &document_depth_value_params,
+    &document_constraint_params, &pith_depth_params, &pith_smoothing_params, &pith_tangent_params, &pith_volume_field_params,
         &document_scale_value_params, &pith_displacement_params, &document_paste_params, &pith_lapped_params,
         &document_grid_params, &document_recipe_params, &document_stop_params, &pith_noise_layer_params,
         &pith_brick_layer_params, &pith_particle_layer_params, &pith_cut_step_params, &pith_cut_stroke_params,
         &document_part_params, &document_lens_params, &pith_render_params, &pith_volume_params,
-        &document_transfer_params, NULL,
-    };
-    return tables;
-}
+        &document_transfer_params, &document_graph_params, &pith_block_params, &document_turned_params, &document_profile_params,
+    &pith_placement_params, &document_finish_params, &document_map_stop_params, &document_wave_params,
+};
+
+const pith_params *const *pith_document_tables(void) { return document_tables; }
 
 /* ---- recipes ---------------------------------------------------------------------------------------------------- */
 
@@ -153,6 +181,23 @@ static const grammar slab = {
     "slab", "A layer between two wavy heights over a plan, made by the program: rock, cake, a disc, a tube, a slice.",
     NULL, 0, &pith_slab_params, NULL, NULL,
 };
+static const grammar block = {
+    "block", "A box with its middle at the origin.", NULL, 0, &pith_block_params, NULL, NULL,
+};
+static const grammar profile_point = {
+    "profile_point", "A point of the profile.", NULL, 0, &document_profile_params, NAMES("z", "r"), NULL,
+};
+static const grammar turned = {
+    "turned", "A profile turned about the z axis, as on a lathe: a ball, a column, a baluster.",
+    KEYS({ "profile", VALUE_LIST, "its points from the lowest up", &profile_point }),
+    &document_turned_params, NAMES("profile"), NULL,
+};
+static const grammar place = {
+    "place", "Where the body stands: scaled, turned and moved.", NULL, 0, &pith_placement_params, NULL, NULL,
+};
+static const grammar finish = {
+    "finish", "How the body's surface takes the light.", NULL, 0, &document_finish_params, NULL, NULL,
+};
 static const grammar tets = {
     "tets", "How the body is filled with tetrahedra.", NULL, 0, &pith_tets_params, NULL, NULL,
 };
@@ -161,13 +206,16 @@ static const grammar refine = {
     NULL, 0, &pith_refine_params, NULL, NULL,
 };
 static const grammar shape = {
-    "shape", "The body's form: a mesh file, a fruit or a slab; and its tetrahedra.",
+    "shape", "The body's form: a mesh file or what the program makes; where it stands; and its tetrahedra.",
     KEYS({ "mesh", VALUE_FILE, "triangle mesh: OBJ, PLY, STL, OFF or GLB", NULL },
          { "fruit", VALUE_OBJECT, "a rounded body made by the program", &fruit },
          { "slab", VALUE_OBJECT, "a layer, disc, tube or slice made by the program", &slab },
+         { "block", VALUE_OBJECT, "a box", &block },
+         { "turned", VALUE_OBJECT, "a profile turned about an axis", &turned },
+         { "place", VALUE_OBJECT, "where it stands; left out: where it was made", &place },
          { "tets", VALUE_OBJECT, "how it is filled with tetrahedra", &tets },
          { "refine", VALUE_OBJECT, "smaller tetrahedra where the fields need them; left out: none", &refine }),
-    NULL, NULL, NAMES("mesh", "fruit", "slab"),
+    NULL, NULL, NAMES("mesh", "fruit", "slab", "block", "turned"),
 };
 static const grammar constraint = {
     "constraint", "Faces, a stroke or points, and the depth they have.",
@@ -239,6 +287,14 @@ static const grammar solid_kinds[] = {
     { "grid", "A voxel grid, in the mesh's coordinates.",
       KEYS(SOLID_KEYS, { "file", VALUE_FILE, "NRRD", NULL }), &document_grid_params, NAMES("name", "kind", "file"),
       NULL },
+    { "procedural", "Computed from the point alone by a graph of functions.",
+      KEYS(SOLID_KEYS,
+           { "nodes", VALUE_KINDS, "the functions, each with a name that others call it by; in any order",
+             grammar_functions },
+           { "colour", VALUE_INPUT, "the node that gives the colour; a number is grey", NULL },
+           { "opacity", VALUE_INPUT, "a node that multiplies the colour's opacity", NULL },
+           { "displacement", VALUE_INPUT, "a node that becomes the channel behind the colour's four", NULL }),
+      &document_graph_params, NAMES("name", "kind", "nodes", "colour"), NULL },
     { NULL, NULL, NULL, 0, NULL, NULL, NULL },
 };
 const grammar grammar_plane = {
@@ -297,7 +353,8 @@ static const grammar volume = {
     { "scale", VALUE_OBJECT, "the size of the exemplar; types 0-A, 0-B and 0-C need it", &scale },                     \
     { "solids", VALUE_KINDS, "what the body may be made of", solid_kinds },                                            \
     { "solid", VALUE_TEXT, "the name of the solid it is made of; default: the first", NULL },                      \
-    { "displacement", VALUE_OBJECT, "moves the skin by a channel of the solid; left out: it stays", &displacement }
+    { "displacement", VALUE_OBJECT, "moves the skin by a channel of the solid; left out: it stays", &displacement },  \
+    { "finish", VALUE_OBJECT, "how its surface takes the light; left out: it mirrors nothing", &finish }
 static const grammar body_entry = {
     "body", "One of several bodies: cut and seen together, each with a form, fields and solids of its own.",
     KEYS({ "name", VALUE_TEXT, "what the document calls it", NULL }, BODY_KEYS), NULL, NAMES("name", "shape"), NULL,

@@ -6,7 +6,8 @@
 void model_drop_items(pith_model *model)
 {
     pith_free(model->items);
-    model->items = NULL;
+    pith_free(model->scene);
+    model->items = model->scene = NULL;
     for (int displaced = 0; displaced < 2; ++displaced) {
         pith_free(model->pieces[displaced]);
         model->pieces[displaced] = NULL;
@@ -43,21 +44,44 @@ static pith_status build_solids(pith_model *model, pith_error *err)
     return PITH_OK;
 }
 
+/* What was turned and is whole is seen without facets. Lapped solids are asked by tets, which only the shell knows. */
+static pith_status show_exactly(pith_model *model, pith_model *body, pith_render_item *item, pith_error *err)
+{
+    if (body->body->shape != SHAPE_TURNED || body->body->displaced || model_cuts(model)->count > 0) return PITH_OK;
+    if (body->body->solids[body->body->solid].kind == SOLID_LAPPED) return PITH_OK;
+    if (!body->quadrics) PITH_TRY(turned_quadrics(body->body, &body->quadrics, &body->quadric_count, err));
+    item->shell = NULL;
+    item->quadrics = body->quadrics;
+    item->quadric_count = body->quadric_count;
+    return PITH_OK;
+}
+
 static pith_status build_items(pith_model *model, pith_error *err)
 {
     const pith_model_piece *pieces;
     size_t count;
     PITH_TRY(model_pieces(model, true, &pieces, &count, err));
     pith_render_item *items = pith_alloc(count, sizeof *items);
-    if (!items) return PITH_OUT_OF_MEMORY(err, "shells");
+    pith_free(model->scene);
+    model->scene = pith_alloc(count, sizeof *model->scene);
+    if (!items || !model->scene) {
+        pith_free(items);
+        return PITH_OUT_OF_MEMORY(err, "shells");
+    }
     model->item_count = 0;
-    for (size_t i = 0; i < count; ++i)
-        if (!pieces[i].hidden)
-            items[model->item_count++] = (pith_render_item){ .shell = pieces[i].shell,
-                                                             .solid = model_body(model, pieces[i].body)->solid,
-                                                             .offset = pieces[i].offset };
-    model->items = items;
-    return PITH_OK;
+    pith_status status = PITH_OK;
+    for (size_t i = 0; status == PITH_OK && i < count; ++i) {
+        if (pieces[i].hidden) continue;
+        pith_model *body = model_body(model, pieces[i].body);
+        pith_render_item *item = &items[model->item_count++];
+        *item = (pith_render_item){ .shell = pieces[i].shell, .solid = body->solid, .offset = pieces[i].offset,
+                                    .reflectivity = body->body->finish.reflectivity };
+        model->scene[model->item_count - 1] = *item;
+        status = show_exactly(model, body, &model->scene[model->item_count - 1], err);
+    }
+    if (status == PITH_OK) model->items = items;
+    else pith_free(items);
+    return status;
 }
 
 pith_status pith_model_items(pith_model *model, const pith_render_item **items, size_t *count, pith_error *err)
@@ -66,6 +90,13 @@ pith_status pith_model_items(pith_model *model, const pith_render_item **items, 
     if (!model->items) PITH_TRY(build_items(model, err));
     *items = model->items;
     *count = model->item_count;
+    return PITH_OK;
+}
+
+pith_status pith_model_scene(pith_model *model, const pith_render_item **items, size_t *count, pith_error *err)
+{
+    PITH_TRY(pith_model_items(model, items, count, err));
+    *items = model->scene;
     return PITH_OK;
 }
 
@@ -137,10 +168,7 @@ pith_status pith_model_camera(pith_model *model, double aspect, pith_camera *cam
         const pith_render_item *items;
         size_t count;
         PITH_TRY(pith_model_items(model, &items, &count, err));
-        for (size_t i = 0; i < count; ++i) {
-            const pith_shell_view shell = pith_shell_look(items[i].shell);
-            add_points(&box, shell.positions, shell.vertex_count, items[i].offset);
-        }
+        box = pith_render_box(items, count);
     }
     return camera_for(model, &box, aspect, camera, err);
 }

@@ -213,6 +213,7 @@ void pith_model_destroy(pith_model *model)
     pith_free(model->bodies);
     model_release_levels(model);
     cut_list_clear(&model->cuts);
+    pith_free(model->quadrics);
     model_release_stages(model);
     cache_destroy(model->store);
     pith_free(model);

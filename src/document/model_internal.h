@@ -120,6 +120,8 @@ struct pith_model {
     pith_part *whole;
     float *painted;             /* [the mesh's triangle_count] */
     uint32_t (*faces)[4];       /* [tet_count] triangles of the mesh */
+    pith_quadric *quadrics;     /* [quadric_count] of a body that was turned; NULL until pictures ask */
+    size_t quadric_count;
     stamp *stamps;              /* [stamp_count] */
     size_t stamp_count, stamp_capacity;
 
@@ -132,6 +134,7 @@ struct pith_model {
     holding *moved;             /* moved_shells */
     pith_model_piece *pieces[2];    /* [shells' count]: as cut, displaced */
     pith_render_item *items;    /* [item_count] */
+    pith_render_item *scene;    /* the same as pictures show them: exact where that can be */
     size_t item_count;
     holding *volume_level;      /* cut_level: the parts of volume_items */
     pith_volume_item *volume_items; /* [volume_count] */
@@ -151,6 +154,8 @@ void model_took(pith_model *model, size_t member, double start);
 
 /* Makes `what` the body's stage and takes it over, also when it fails; what the body has already, stays. */
 pith_status model_hold(pith_model *model, model_stage stage, void *what, pith_error *err);
+/* The same for what borrows another stage than its kind does; itself: none. */
+pith_status model_hold_on(pith_model *model, model_stage stage, void *what, model_stage borrowed, pith_error *err);
 /* Makes the body's fill its solid. */
 void model_hold_fill(pith_model *model);
 /* The exemplar of a paste, when it is there. */

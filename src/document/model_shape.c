@@ -8,17 +8,68 @@
 /* The key that says the shape, for messages. */
 static const char *shape_key(const document_body *body)
 {
-    static const char *const keys[] = { "shape.mesh", "shape.fruit", "shape.slab" };
+    static const char *const keys[] = { "shape.mesh", "shape.fruit", "shape.slab", "shape.block", "shape.turned" };
     return keys[body->shape];
+}
+
+pith_status turned_quadrics(const document_body *body, pith_quadric **quadrics, size_t *count, pith_error *err)
+{
+    const pith_placement here = { .scale = 1.0 }, *place = body->placed ? &body->placement : &here;
+    const document_turned *from = &body->turned;
+    pith_vec3 axes[3];
+    pith_placement_axes(place, axes);
+    pith_profile_point *profile = pith_alloc(from->count, sizeof *profile);
+    if (!profile) return PITH_OUT_OF_MEMORY(err, "a profile");
+    for (size_t i = 0; i < from->count; ++i)
+        profile[i] = (pith_profile_point){ place->scale * from->profile[i].z, place->scale * from->profile[i].r,
+                                           from->profile[i].corner };
+    const pith_vec3 origin = pith_placement_point(place, pith_v3(0, 0, 0));
+    const pith_status status = pith_quadrics_turned(profile, from->count, origin, axes[2], quadrics, count, err);
+    pith_free(profile);
+    return status;
+}
+
+/* Lengths of edges are told in parts of the way along the profile. */
+static pith_status turned_mesh(const document_body *body, pith_mesh **mesh, pith_error *err)
+{
+    const document_turned *from = &body->turned;
+    pith_quadric *quadrics = NULL;
+    size_t count = 0;
+    PITH_TRY(turned_quadrics(body, &quadrics, &count, err));
+    double length = 0.0;
+    for (size_t i = 1; i < from->count; ++i)
+        length += hypot(from->profile[i].z - from->profile[i - 1].z, from->profile[i].r - from->profile[i - 1].r);
+    const double edge = from->options.edge * length * (body->placed ? body->placement.scale : 1.0);
+    const pith_status status = pith_quadrics_mesh(quadrics, count, edge, mesh, err);
+    pith_free(quadrics);
+    return status;
+}
+
+static pith_status form_mesh(const document_body *body, pith_mesh **mesh, pith_error *err)
+{
+    switch (body->shape) {
+    case SHAPE_MESH: return pith_mesh_read(body->mesh_file, mesh, err);
+    case SHAPE_FRUIT: return pith_mesh_fruit(&body->fruit, mesh, err);
+    case SHAPE_SLAB: return pith_mesh_slab(&body->slab, mesh, err);
+    case SHAPE_BLOCK: return pith_mesh_block(&body->block, mesh, err);
+    case SHAPE_TURNED: return turned_mesh(body, mesh, err);
+    }
+    return PITH_OK;
 }
 
 static pith_status raw_mesh(const pith_model *model, pith_mesh **raw, pith_error *err)
 {
     const document_body *body = model->body;
-    const pith_status status = body->shape == SHAPE_MESH   ? pith_mesh_read(body->mesh_file, raw, err)
-                               : body->shape == SHAPE_SLAB ? pith_mesh_slab(&body->slab, raw, err)
-                                                           : pith_mesh_fruit(&body->fruit, raw, err);
-    return status == PITH_OK ? PITH_OK : model_fail_at(model, status, shape_key(body), NULL, NULL, err);
+    pith_mesh *made = NULL;
+    pith_status status = form_mesh(body, &made, err);
+    if (status != PITH_OK) return model_fail_at(model, status, shape_key(body), NULL, NULL, err);
+    if (!body->placed || body->shape == SHAPE_TURNED) {
+        *raw = made;
+        return PITH_OK;
+    }
+    status = pith_mesh_placed(made, &body->placement, raw, err);
+    pith_mesh_destroy(made);
+    return status;
 }
 
 void model_note_surface(pith_model *model)

@@ -293,11 +293,75 @@ static pith_status build_grid(pith_model *model, const document_solid *solid, pi
     return status == PITH_OK ? model_hold(model, STAGE_SOLID, made, err) : solid_fail(model, status, "file", err);
 }
 
+/* ---- procedural -------------------------------------------------------------------------------------------------------------- */
+
+/* Assets are read for as long as the solid is made. */
+typedef struct graph_assets { pith_node *nodes; pith_image **images; pith_grid **grids; size_t count; } graph_assets;
+
+static void assets_clear(graph_assets *gone)
+{
+    for (size_t i = 0; i < gone->count; ++i) {
+        pith_image_destroy(gone->images[i]);
+        pith_grid_destroy(gone->grids[i]);
+    }
+    pith_free(gone->nodes);
+    pith_free(gone->images);
+    pith_free(gone->grids);
+}
+
+static pith_status read_assets(const pith_model *model, const document_graph *graph, graph_assets *made, pith_error *err)
+{
+    *made = (graph_assets){ pith_alloc(graph->count, sizeof *made->nodes), pith_alloc(graph->count, sizeof *made->images),
+                            pith_alloc(graph->count, sizeof *made->grids), 0 };
+    if (!made->nodes || !made->images || !made->grids) return PITH_OUT_OF_MEMORY(err, "a graph");
+    made->count = graph->count;
+    for (size_t i = 0; i < graph->count; ++i) {
+        char place[40];
+        pith_status status = PITH_OK;
+        made->nodes[i] = graph->nodes[i];
+        if (graph->images[i]) status = pith_image_read(graph->images[i], &made->images[i], err);
+        if (status == PITH_OK && graph->grids[i]) status = pith_grid_read_nrrd(graph->grids[i], true, &made->grids[i], err);
+        made->nodes[i].image = made->images[i];
+        made->nodes[i].grid = made->grids[i];
+        snprintf(place, sizeof place, "nodes[%zu].%s", i, made->images[i] || !graph->grids[i] ? "image" : "grid");
+        if (status != PITH_OK) return solid_fail(model, status, place, err);
+    }
+    return PITH_OK;
+}
+
+static pith_status build_procedural(pith_model *model, const document_solid *from, pith_error *err)
+{
+    const document_graph *graph = &from->graph;
+    pith_procedural whole = { .count = graph->count, .colour = graph->colour, .opacity = graph->opacity,
+                              .displacement = graph->displacement, .seed = graph->options.seed };
+    if (graph->directed) {
+        PITH_TRY(pith_model_fields(model, NULL, NULL, NULL, err));
+        PITH_TRY(pith_model_locator(model, NULL, err));
+        whole.tets = model->tets;
+        whole.locator = model->locator;
+        whole.direction = model->secondary;
+    }
+    const double start = pith_seconds();
+    graph_assets assets;
+    pith_solid *made = NULL;
+    pith_status status = read_assets(model, graph, &assets, err);
+    whole.nodes = assets.nodes;
+    if (status == PITH_OK) {
+        status = pith_solid_procedural(&whole, &made, err);
+        if (status != PITH_OK) status = solid_fail(model, status, "nodes", err);
+    }
+    assets_clear(&assets);
+    if (status != PITH_OK) return status;
+    model_took(model, offsetof(pith_model_times, fill), start);
+    return model_hold_on(model, STAGE_SOLID, made, graph->directed ? STAGE_LOCATOR : STAGE_SOLID, err);
+}
+
 pith_status pith_model_solid(pith_model *model, const pith_solid **solid, pith_error *err)
 {
     const document_solid *chosen = NULL;
     PITH_TRY(chosen_solid(model, &chosen, err));
     if (!model->solid && chosen->kind == SOLID_GRID) PITH_TRY(build_grid(model, chosen, err));
+    if (!model->solid && chosen->kind == SOLID_PROCEDURAL) PITH_TRY(build_procedural(model, chosen, err));
     if (!model->solid) PITH_TRY(obtain_lapped(model, chosen, err));
     if (solid) *solid = model->solid;
     return PITH_OK;

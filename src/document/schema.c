@@ -9,7 +9,7 @@
 
 /* Every value goes through put or append, which remember when memory ran out; the caller looks once, at the end. Every
    object but the document itself is written once, under its name in "$defs", and referred to. */
-enum { MOST_GRAMMARS = 128 };
+enum { MOST_GRAMMARS = 192 };
 typedef struct schema_maker {
     bool failed;
     json_t *definitions;
@@ -66,22 +66,35 @@ static json_t *list_schema(json_t *items, int least)
     return json_pack("{ss so si}", "type", "array", "items", items, "minItems", least);
 }
 
+static json_t *input_schema(void) { return json_pack("{s[ss]}", "type", "string", "number"); }
+
+/* Functions are called as other objects are, too. */
+static json_t *name_of(const grammar *rules)
+{
+    const bool function = rules >= grammar_functions && rules < grammar_functions + MOST_FUNCTIONS;
+    return function ? json_sprintf("function_%s", rules->name) : json_string(rules->name);
+}
+
 /* A reference to the object's definition, which is made when it is not there yet. The word of a kind is fixed in it. */
 static json_t *reference(schema_maker *maker, const grammar *rules, bool is_kind)
 {
+    json_t *name = name_of(rules);
     size_t at = 0;
     while (at < maker->known_count && maker->known[at] != rules) ++at;
     if (at == maker->known_count) {
         json_t *made = schema_of(maker, rules);
         if (is_kind)
-            put(maker, json_object_get(json_object_get(made, "properties"), "kind"), "const", json_string(rules->name));
+            put(maker, json_object_get(json_object_get(made, "properties"), kinds_word(rules)), "const",
+                json_string(rules->name));
         /* Two grammars of one name, or too many: the schema would be wrong. */
-        if (maker->known_count == MOST_GRAMMARS || json_object_get(maker->definitions, rules->name))
+        if (maker->known_count == MOST_GRAMMARS || json_object_get(maker->definitions, json_string_value(name)))
             maker->failed = true;
         else maker->known[maker->known_count++] = rules;
-        put(maker, maker->definitions, rules->name, made);
+        put(maker, maker->definitions, json_string_value(name), made);
     }
-    return json_pack("{s: s+}", "$ref", "#/$defs/", rules->name);
+    json_t *to = json_pack("{s: s+}", "$ref", "#/$defs/", json_string_value(name));
+    json_decref(name);
+    return to;
 }
 
 static json_t *kinds_schema(schema_maker *maker, const grammar *kinds)
@@ -110,6 +123,11 @@ static json_t *value_schema(schema_maker *maker, const grammar_key *key)
         return json_pack("{ss s{ss si si} si si}", "type", "array", "items", "type", "integer", "minimum", 8, "maximum",
                          256, "minItems", 3, "maxItems", 3);
     case VALUE_INDEX: return json_pack("{ss si}", "type", "integer", "minimum", 0);
+    case VALUE_MATRIX:
+        return json_pack("{ss s{ss s{ss} si si} si si}", "type", "array", "items", "type", "array", "items", "type",
+                         "number", "minItems", 4, "maxItems", 4, "minItems", 3, "maxItems", 4);
+    case VALUE_INPUT: return input_schema();
+    case VALUE_INPUTS: return json_pack("{s[oo]}", "anyOf", input_schema(), list_schema(input_schema(), 1));
     case VALUE_ANY: return json_object();
     case VALUE_OBJECT: return reference(maker, key->inner, false);
     case VALUE_LIST: return list_schema(reference(maker, key->inner, false), 0);
@@ -191,6 +209,9 @@ static const char *word_of(value_kind kind)
     case VALUE_FACES: return "`\"all\"` or list of indices";
     case VALUE_SIZES: return "`[r, s, t]`";
     case VALUE_INDEX: return "whole number from 0";
+    case VALUE_MATRIX: return "rows of a matrix";
+    case VALUE_INPUT: return "node, number or colour";
+    case VALUE_INPUTS: return "node, number or colour, or list of these";
     case VALUE_ANY: return "any JSON";
     case VALUE_OBJECT: return "object";
     case VALUE_LIST: return "list of objects";
@@ -264,7 +285,7 @@ static void add_section(keys_maker *maker, const grammar *rules, const char *pat
     snprintf(here->path, sizeof here->path, "%s", path);
     if (!path[0]) text_add(out, "### The document");
     else text_add(out, "\n### `%s`", path);
-    if (is_kind) text_add(out, " of kind \"%s\"", rules->name);
+    if (is_kind) text_add(out, " of %s \"%s\"", kinds_word(rules), rules->name);
     text_add(out, "\n\n%s\n\n| key | value | default | |\n| --- | --- | --- | --- |\n", rules->help);
     for (size_t i = 0; i < rules->key_count; ++i) add_key(maker, rules, &rules->keys[i], path);
     for (size_t i = 0; rules->params && i < rules->params->count; ++i) add_option(out, rules, &rules->params->items[i]);

@@ -82,12 +82,17 @@ static uint64_t key_of(const pith_model *model, model_stage stage)
 
 pith_status model_hold(pith_model *model, model_stage stage, void *what, pith_error *err)
 {
+    return model_hold_on(model, stage, what, rows[stage].borrows, err);
+}
+
+pith_status model_hold_on(pith_model *model, model_stage stage, void *what, model_stage borrowed, pith_error *err)
+{
     const struct stage_row *row = &rows[stage];
     if (model->held[stage]) {
         row->destroy(what);
         return PITH_OK;
     }
-    holding *on = row->borrows == stage ? NULL : model->held[row->borrows];
+    holding *on = borrowed == stage ? NULL : model->held[borrowed];
     PITH_TRY(holding_new(what, row->destroy, on, &model->held[stage], err));
     set_member(model, stage, what);
     return PITH_OK;

@@ -191,11 +191,23 @@ static uint64_t hash_scale(const document_scale *scale, uint64_t hash)
     return hash_options(&pith_smoothing_params, &scale->smoothing, hash);
 }
 
+static uint64_t hash_turned(const document_turned *turned, uint64_t hash)
+{
+    for (size_t i = 0; i < turned->count; ++i) {
+        const profile_value point = { turned->profile[i].z, turned->profile[i].r, turned->profile[i].corner };
+        hash = hash_options(&document_profile_params, &point, hash);
+    }
+    return hash_options(&document_turned_params, &turned->options, hash);
+}
+
 static pith_status hash_form(const document_body *body, uint64_t *hash, pith_error *err)
 {
+    if (body->placed) *hash = hash_options(&pith_placement_params, &body->placement, *hash);
     if (body->mesh_file) return hash_file(body->mesh_file, hash, err);
     if (body->shape == SHAPE_SLAB) *hash = hash_options(&pith_slab_params, &body->slab, *hash);
-    else *hash = hash_options(&pith_fruit_params, &body->fruit, *hash);
+    else if (body->shape == SHAPE_BLOCK) *hash = hash_options(&pith_block_params, &body->block, *hash);
+    else if (body->shape == SHAPE_TURNED) *hash = hash_turned(&body->turned, *hash);
+    else if (body->shape == SHAPE_FRUIT) *hash = hash_options(&pith_fruit_params, &body->fruit, *hash);
     return PITH_OK;
 }
 
@@ -247,6 +259,17 @@ static pith_status hash_lapped(const document_solid *solid, uint64_t *hash, pith
     return PITH_OK;
 }
 
+static pith_status hash_graph(const document_graph *graph, stage_keys *keys, pith_error *err)
+{
+    keys->solid = pith_hash_bytes(&graph->hash, sizeof graph->hash, keys->solid);
+    for (size_t i = 0; i < graph->count; ++i) {
+        if (graph->images[i]) PITH_TRY(hash_file(graph->images[i], &keys->solid, err));
+        if (graph->grids[i]) PITH_TRY(hash_file(graph->grids[i], &keys->solid, err));
+    }
+    if (graph->directed) keys->solid = pith_hash_bytes(&keys->fields, sizeof keys->fields, keys->solid);
+    return PITH_OK;
+}
+
 pith_status stage_keys_of(const document_body *body, stage_keys *keys, pith_error *err)
 {
     stage_keys made;
@@ -272,6 +295,7 @@ pith_status stage_keys_of(const document_body *body, stage_keys *keys, pith_erro
         PITH_TRY(hash_file(solid->grid_file, &made.solid, err));
         made.solid = hash_options(&document_grid_params, &solid->grid, made.solid);
     }
+    if (solid && solid->kind == SOLID_PROCEDURAL) PITH_TRY(hash_graph(&solid->graph, &made, err));
     *keys = made;
     return PITH_OK;
 }

@@ -117,9 +117,11 @@ void text_add_json(text_buffer *buffer, const json_t *value, int indent)
 
 /* ---- the grammar's order ----------------------------------------------------------------------------------------------- */
 
+const char *kinds_word(const grammar *kinds) { return kinds->keys[1].name; }
+
 const grammar *grammar_of_kind(const grammar *kinds, const json_t *entry)
 {
-    const char *kind = json_string_value(json_object_get(entry, "kind"));
+    const char *kind = json_string_value(json_object_get(entry, kinds_word(kinds)));
     while (kinds->name && strcmp(kinds->name, kind) != 0) ++kinds;
     return kinds;
 }

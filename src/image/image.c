@@ -71,12 +71,13 @@ static pith_status linearise(const raw_image *raw, pith_image *image, pith_error
 pith_status pith_image_decode(const char *name, const void *bytes, size_t size, pith_image **image, pith_error *err)
 {
     raw_image raw = { 0 };
+    if (exr_recognise(bytes, size)) return exr_decode(name, bytes, size, image, err);
     if (png_recognise(bytes, size)) {
         PITH_TRY(png_decode(name, bytes, size, &raw, err));
     } else if (jpeg_recognise(bytes, size)) {
         PITH_TRY(jpeg_decode(name, bytes, size, &raw, err));
     } else {
-        return pith_fail(err, PITH_BAD_FILE, "%s: is neither a PNG nor a JPEG file%s", name,
+        return pith_fail(err, PITH_BAD_FILE, "%s: is neither a PNG, a JPEG nor an EXR file%s", name,
                          size ? "" : "; it is empty");
     }
     pith_image *made = NULL;
@@ -133,18 +134,18 @@ static pith_status encode(const pith_image *image, int jpeg_quality, unsigned ch
 
 pith_status pith_image_write(const pith_image *image, const char *path, int jpeg_quality, pith_error *err)
 {
-    const bool png = pith_path_has_extension(path, "png");
+    const bool png = pith_path_has_extension(path, "png"), exr = pith_path_has_extension(path, "exr");
     const bool jpeg = pith_path_has_extension(path, "jpg") || pith_path_has_extension(path, "jpeg");
-    if (!png && !jpeg)
-        return pith_fail(err, PITH_BAD_ARGUMENT, "%s: images are written as .png or .jpg; give the file such a name",
-                         path);
+    if (!png && !jpeg && !exr)
+        return pith_fail(err, PITH_BAD_ARGUMENT,
+                         "%s: images are written as .png, .jpg or .exr; give the file such a name", path);
     if (jpeg && (jpeg_quality < 1 || jpeg_quality > 100))
         return pith_fail(err, PITH_BAD_ARGUMENT, "%s: JPEG quality is %d, expected 1 to 100", path, jpeg_quality);
     if (jpeg && image->channels != 1 && image->channels != 3)
         return pith_fail(err, PITH_BAD_ARGUMENT, "%s: JPEG holds no alpha; write .png or drop the image's alpha", path);
     unsigned char *bytes = NULL;
     size_t size = 0;
-    PITH_TRY(encode(image, jpeg ? jpeg_quality : 0, &bytes, &size, err));
+    PITH_TRY(exr ? exr_encode(image, &bytes, &size, err) : encode(image, jpeg ? jpeg_quality : 0, &bytes, &size, err));
     const pith_status status = pith_file_write(path, bytes, size, err);
     pith_free(bytes);
     return status;

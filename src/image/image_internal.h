@@ -22,6 +22,11 @@ bool jpeg_recognise(const unsigned char *bytes, size_t size);
 pith_status jpeg_decode(const char *name, const unsigned char *bytes, size_t size, raw_image *raw, pith_error *err);
 pith_status jpeg_encode(const raw_image *raw, int quality, unsigned char **bytes, size_t *size, pith_error *err);
 
+bool exr_recognise(const unsigned char *bytes, size_t size);
+pith_status exr_decode(const char *name, const unsigned char *bytes, size_t size, pith_image **image, pith_error *err);
+/* Floats, ZIP; *bytes is freed with pith_free. */
+pith_status exr_encode(const pith_image *image, unsigned char **bytes, size_t *size, pith_error *err);
+
 /* PITH_BAD_FILE when the claimed sides are empty or above IMAGE_SIDE_MAX, or when `size` bytes of file cannot possibly
    hold that many pixels: a short file must not make the process allocate gigabytes. */
 #define IMAGE_SIDE_MAX 16384u

@@ -10,6 +10,12 @@ static void camera_axes(pith_vec3 forward, pith_vec3 up, pith_vec3 *right, pith_
     *above = pith_cross(*right, forward);
 }
 
+static pith_vec3 box_corner(const pith_box *box, int i)
+{
+    return pith_v3(i & 1 ? box->high.x : box->low.x, i & 2 ? box->high.y : box->low.y,
+                   i & 4 ? box->high.z : box->low.z);
+}
+
 pith_camera pith_camera_fit(const pith_box *box, pith_vec3 direction, pith_vec3 up, double field_of_view, double aspect)
 {
     const double margin = 1.12; /* a picture wants air round its subject */
@@ -21,14 +27,29 @@ pith_camera pith_camera_fit(const pith_box *box, pith_vec3 direction, pith_vec3 
     const double tall = tan(0.5 * field_of_view * (M_PI / 180.0)), wide = tall * aspect;
     double distance = 0.0;
     for (int i = 0; i < 8; ++i) {
-        const pith_vec3 corner = pith_v3(i & 1 ? box->high.x : box->low.x, i & 2 ? box->high.y : box->low.y,
-                                         i & 4 ? box->high.z : box->low.z);
-        const pith_vec3 d = pith_sub(corner, middle);
+        const pith_vec3 d = pith_sub(box_corner(box, i), middle);
         const double needs = fmax(fabs(pith_dot(d, right)) / wide, fabs(pith_dot(d, above)) / tall);
         distance = fmax(distance, margin * needs + pith_dot(d, back));
     }
     if (!(distance > 0.0)) distance = 1.0; /* a point, or nothing: look at it from somewhere */
     return (pith_camera){ pith_madd(middle, back, distance), middle, up, field_of_view };
+}
+
+bool pith_camera_sees(const pith_camera *camera, const pith_box *box, double aspect)
+{
+    const pith_vec3 forward = pith_unit(pith_sub(camera->target, camera->eye));
+    pith_vec3 right, above;
+    camera_axes(forward, camera->up, &right, &above);
+    const double tall = tan(0.5 * camera->field_of_view * (M_PI / 180.0)), wide = tall * aspect;
+    int behind = 0, beyond[4] = { 0 };
+    for (int i = 0; i < 8; ++i) {
+        const pith_vec3 d = pith_sub(box_corner(box, i), camera->eye);
+        const double depth = pith_dot(d, forward), x = pith_dot(d, right), y = pith_dot(d, above);
+        behind += !(depth > 0.0);
+        beyond[0] += x<-wide * depth, beyond[1] += x> wide * depth;
+        beyond[2] += y<-tall * depth, beyond[3] += y> tall * depth;
+    }
+    return behind < 8 && beyond[0] < 8 && beyond[1] < 8 && beyond[2] < 8 && beyond[3] < 8;
 }
 
 pith_status render_view_make(render_view *view, const pith_camera *camera, uint32_t height, const double light[2],

@@ -36,17 +36,21 @@ typedef struct render_scene {
     size_t item_count;
     const pith_render_options *options;
 
-    /* All shells and meshes as one mesh, each where it stands, so that one tracer serves all. */
+    /* All shells and meshes as one mesh, and all quadrics, each where it stands, so that one tracer serves all. Of
+       faces the triangles come first, then the quadrics, as in a pith_hit. */
     pith_tracer *tracer;
     pith_vec3 *positions, *material;    /* [vertex_count] */
     float (*colours)[4];                /* [vertex_count] of plain meshes; NULL when there are none */
     uint32_t (*triangles)[3];           /* [triangle_count] */
     pith_vec3 (*normals)[3];            /* [triangle_count] at the corners */
     double (*weights)[3][4];            /* [triangle_count] of the corners in the source tet */
-    uint32_t *source_tet, *item_of;     /* [triangle_count] */
-    uint8_t *kinds;                     /* [triangle_count] pith_face_kind */
-    uint32_t vertex_count, triangle_count, channels; /* channels: the most any solid has */
-    bool has_colours;                   /* an item is a plain mesh */
+    uint32_t *source_tet;               /* [triangle_count] */
+    pith_quadric *quadrics;             /* [quadric_count] */
+    uint32_t *item_of;                  /* [triangle_count + quadric_count] */
+    uint8_t *kinds;                     /* [triangle_count + quadric_count] pith_face_kind */
+    uint32_t vertex_count, triangle_count, quadric_count;
+    uint32_t channels;                  /* the most any solid has */
+    bool has_colours;                   /* an item is a plain mesh in colours */
 
     pith_vec3 centre;                   /* of a sphere round everything */
     double radius, offset;              /* offset: how far rays start off the surface they leave */

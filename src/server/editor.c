@@ -83,6 +83,20 @@ static const argument of_exemplar[] = {
     { "exemplar", ARGUMENT_OBJECT, false, 0, 0, NULL },
     NO_MORE,
 };
+static const argument of_node[] = {
+    BODY,
+    { "node", ARGUMENT_TEXT, true, 0, 0, NULL },
+    { "size", ARGUMENT_WHOLE, false, 8, 256, NULL },
+    { "corner", ARGUMENT_POINT, true, 0, 0, NULL },
+    { "along", ARGUMENT_POINT, true, 0, 0, NULL },
+    { "up", ARGUMENT_POINT, true, 0, 0, NULL },
+    NO_MORE,
+};
+static const argument of_colours[] = {
+    BODY,
+    { "light", ARGUMENT_POINT, false, 0, 0, NULL },
+    NO_MORE,
+};
 static const argument of_recipe[] = {
     { "path", ARGUMENT_TEXT, true, 0, 0, NULL },
     NO_MORE,
@@ -102,6 +116,8 @@ const verb editor_verbs[] = {
     { "lines", false, of_lines, false, do_lines },
     { "section", false, of_section, false, do_section },
     { "exemplar", false, of_exemplar, false, do_exemplar },
+    { "node", false, of_node, false, do_node },
+    { "colours", true, of_colours, false, do_colours },
     { "recipe", false, of_recipe, false, do_recipe },
     { "files", false, of_files, false, do_files },
     { "file.put", true, of_file_put, false, do_file_put },

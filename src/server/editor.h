@@ -93,6 +93,8 @@ pith_status do_layer(editor *own, request *asked, pith_error *err);
 pith_status do_lines(editor *own, request *asked, pith_error *err);
 pith_status do_section(editor *own, request *asked, pith_error *err);
 pith_status do_exemplar(editor *own, request *asked, pith_error *err);
+pith_status do_node(editor *own, request *asked, pith_error *err);
+pith_status do_colours(editor *own, request *asked, pith_error *err);
 pith_status do_recipe(editor *own, request *asked, pith_error *err);
 
 /* ---- pictures: requests_picture.c -------------------------------------------------------------------------------- */

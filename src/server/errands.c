@@ -1,9 +1,10 @@
-/* Exemplars for looking at. */
+/* Exemplars and nodes for looking at. */
 #include "errands.h"
 
 #include <stdlib.h>
 #include <string.h>
 
+#include "node_picture.h"
 #include "pack_internal.h"
 #include "request.h"
 #include "session.h"
@@ -12,7 +13,8 @@
 typedef struct errand {
     uint32_t socket;
     json_int_t id;
-    json_t *exemplar;
+    json_t *thing;              /* an exemplar or, with `asked`, a solid that has the node */
+    json_t *asked;              /* the keys of a request for a node; NULL: an exemplar is wanted */
     struct errand *next;
 } errand;
 
@@ -66,9 +68,9 @@ static char *document_around(const json_t *exemplar)
     return text;
 }
 
-static pith_status make(const errands *own, const errand *at, packet **made, pith_error *err)
+static pith_status make_exemplar(const errands *own, const errand *at, packet **made, pith_error *err)
 {
-    char *text = document_around(at->exemplar);
+    char *text = document_around(at->thing);
     if (!text) return PITH_OUT_OF_MEMORY(err, "an exemplar");
     pith_document *document = NULL;
     pith_model *model = NULL;
@@ -78,7 +80,7 @@ static pith_status make(const errands *own, const errand *at, packet **made, pit
     free(text);
     if (status == PITH_OK) status = pith_model_create(document, &options, NULL, &model, err);
     if (status == PITH_OK) status = pith_model_exemplar(model, &grid, err);
-    if (status == PITH_OK) status = pack(own, grid, at->exemplar, at->id, made, err);
+    if (status == PITH_OK) status = pack(own, grid, at->thing, at->id, made, err);
     pith_model_destroy(model);
     pith_document_destroy(document);
     return status;
@@ -90,7 +92,9 @@ static void run(errands *own, errand *at)
     static const char prefix[] = "solids[0].";
     pith_error err = { PITH_OK, "" };
     packet *made = NULL;
-    if (make(own, at, &made, &err) != PITH_OK) {
+    const pith_status status = at->asked ? node_picture(own->path, at->thing, at->asked, at->id, &made, &err)
+                                         : make_exemplar(own, at, &made, &err);
+    if (status != PITH_OK) {
         document_plain(own->path, err.message);
         const char *place = strstr(err.message, prefix);
         made = request_failure(at->id, pith_status_text(err.status), place ? place + strlen(prefix) : err.message);
@@ -102,7 +106,8 @@ static void run(errands *own, errand *at)
 
 static void errand_destroy(errand *gone)
 {
-    json_decref(gone->exemplar);
+    json_decref(gone->thing);
+    json_decref(gone->asked);
     pith_free(gone);
 }
 
@@ -120,20 +125,31 @@ static bool take_turn(void *user)
     return true;
 }
 
-void errands_exemplar(errands *own, uint32_t socket, json_int_t id, json_t *exemplar)
+static void send_out(errands *own, uint32_t socket, json_int_t id, json_t *thing, json_t *asked)
 {
     errand *made = pith_alloc(1, sizeof *made);
     if (!made) {
-        json_decref(exemplar);
+        json_decref(thing);
+        json_decref(asked);
         outbox_put(own->out, socket, request_failure(id, pith_status_text(PITH_NO_MEMORY), "out of memory"));
         return;
     }
-    *made = (errand){ socket, id, exemplar, NULL };
+    *made = (errand){ socket, id, thing, asked, NULL };
     worker_lock(&own->work);
     *own->end = made;
     own->end = &made->next;
     worker_call(&own->work);
     worker_unlock(&own->work);
+}
+
+void errands_exemplar(errands *own, uint32_t socket, json_int_t id, json_t *exemplar)
+{
+    send_out(own, socket, id, exemplar, NULL);
+}
+
+void errands_node(errands *own, uint32_t socket, json_int_t id, json_t *solid, json_t *asked)
+{
+    send_out(own, socket, id, solid, asked);
 }
 
 pith_status errands_create(const char *path, outbox *out, errands **made, pith_error *err)

@@ -153,7 +153,9 @@ static pith_status put_lapped(packet_maker *maker, const pith_model *body, const
 
 /* ---- other kinds ------------------------------------------------------------------------------------------------- */
 
-enum { VOXELS = 160 }; /* along the longest side: 16 MB at most */
+/* Along the longest side; 8 MB at most. They are what is seen while the view moves: when it rests pages ask for colours
+   point by point, which no number of voxels would give. */
+enum { VOXELS = 128 };
 
 /* Voxels outside the body are empty, and a surface between would look dark: those beside full ones take their mean. */
 static void widen(uint8_t (*cells)[4], const uint32_t size[3])

@@ -8,7 +8,7 @@ static pith_status render_surfaces(pith_model *model, bool coarse, const pith_pr
     size_t count;
     pith_camera camera;
     pith_render_options options;
-    PITH_TRY(pith_model_items(model, &items, &count, err));
+    PITH_TRY(pith_model_scene(model, &items, &count, err));
     PITH_TRY(pith_model_view(model, &camera, &options, err));
     if (coarse) options.samples = 1;
     return pith_render(items, count, &camera, &options, progress, image, err);

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "editor.h"
+#include "pith/procedural.h"
 
 /* ---- what a document is like ------------------------------------------------------------------------------------- */
 
@@ -41,6 +42,26 @@ static json_t *types(void)
         json_object_set_new(all, type->choices[i], json_pack("{sb sb sb sb}", "depth", needs.depth, "direction",
                                                              needs.direction, "vectors", needs.vectors, "scale",
                                                              needs.scale));
+    }
+    return all;
+}
+
+/* What the functions of procedural solids give and take; the schema says the rest of them. */
+static json_t *functions(void)
+{
+    static const char *const words[] = {
+        [PITH_VALUE_NUMBER] = "number", [PITH_VALUE_COLOUR] = "colour", [PITH_VALUE_POINT] = "point"
+    };
+    size_t count;
+    const pith_function *const *list = pith_functions(&count);
+    json_t *all = json_object();
+    for (size_t i = 0; i < count; ++i) {
+        json_t *inputs = json_array();
+        for (const pith_input *input = list[i]->inputs; input->name; ++input)
+            json_array_append_new(inputs, json_pack("{ss ss sb sb sf}", "name", input->name, "takes",
+                                                    input->any ? "any" : words[input->takes], "wanted", input->wanted,
+                                                    "many", input->many, "standard", input->standard));
+        json_object_set_new(all, list[i]->name, json_pack("{ss so}", "gives", words[list[i]->gives], "inputs", inputs));
     }
     return all;
 }
@@ -92,6 +113,7 @@ pith_status do_hello(editor *own, request *asked, pith_error *err)
     json_object_set_new(to, "socket", json_integer(asked->socket));
     json_object_set_new(to, "schema", json_incref(own->schema));
     json_object_set_new(to, "types", types());
+    json_object_set_new(to, "functions", functions());
     json_object_set_new(to, "templates", templates(own));
     describe(own, to);
     viewer_hello(own->view, asked->socket);

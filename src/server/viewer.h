@@ -37,8 +37,15 @@ void viewer_hello(viewer *own, uint32_t socket);                            /* s
    request, and are taken over, also after a failure. It waits until there is a model to look at. One that a newer
    question of the same socket makes useless (the layer of another depth) is refused as superseded when it still
    waits. */
-typedef enum question_kind { QUESTION_LAYER, QUESTION_LINES, QUESTION_SECTION } question_kind;
+typedef enum question_kind { QUESTION_LAYER, QUESTION_LINES, QUESTION_SECTION, QUESTION_COLOURS } question_kind;
 pith_status viewer_ask(viewer *own, question_kind kind, uint32_t socket, json_int_t id, json_t *asked, pith_error *err);
+/* The same about the colours of points, what pith_query asks: 0 points, 1 footprints, 2 normals, 3 views; NULL where not
+   told. The body's solid must be of another kind than lapped. Takes the points over, too. */
+enum { MOST_COLOURS = 1 << 18 };
+typedef struct colour_question { size_t count; float *values[4]; } colour_question;
+void colour_question_destroy(colour_question *gone);
+pith_status viewer_ask_colours(viewer *own, uint32_t socket, json_int_t id, json_t *asked, colour_question *colours,
+                               pith_error *err);
 /* Refuses all that waits: there will be no model to look at. */
 void viewer_refuse_questions(viewer *own, const char *message);
 /* The state, for the caller to free with pith_free; NULL when there is none yet, or no memory. */

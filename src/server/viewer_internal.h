@@ -10,6 +10,7 @@ typedef struct question {
     uint32_t socket;
     json_int_t id;
     json_t *asked;
+    colour_question *colours;   /* of QUESTION_COLOURS; else NULL */
     struct question *next;
 } question;
 void question_destroy(question *gone);

@@ -16,6 +16,14 @@ static void refuse(viewer *own, const question *at, const char *status, const ch
 void question_destroy(question *gone)
 {
     json_decref(gone->asked);
+    colour_question_destroy(gone->colours);
+    pith_free(gone);
+}
+
+void colour_question_destroy(colour_question *gone)
+{
+    if (!gone) return;
+    for (int k = 0; k < 4; ++k) pith_free(gone->values[k]);
     pith_free(gone);
 }
 
@@ -31,14 +39,15 @@ static bool supersedes(const question *newer, const question *older)
     return true;
 }
 
-pith_status viewer_ask(viewer *own, question_kind kind, uint32_t socket, json_int_t id, json_t *asked, pith_error *err)
+static pith_status put_question(viewer *own, const question *from, pith_error *err)
 {
     question *made = pith_alloc(1, sizeof *made);
     if (!made) {
-        json_decref(asked);
+        json_decref(from->asked);
+        colour_question_destroy(from->colours);
         return PITH_OUT_OF_MEMORY(err, "a question");
     }
-    *made = (question){ .kind = kind, .socket = socket, .id = id, .asked = asked };
+    *made = *from;
     worker_lock(&own->work);
     question **at = &own->orders.questions;
     while (*at) {
@@ -55,6 +64,18 @@ pith_status viewer_ask(viewer *own, question_kind kind, uint32_t socket, json_in
     worker_call(&own->work);
     worker_unlock(&own->work);
     return PITH_OK;
+}
+
+pith_status viewer_ask(viewer *own, question_kind kind, uint32_t socket, json_int_t id, json_t *asked, pith_error *err)
+{
+    return put_question(own, &(question){ .kind = kind, .socket = socket, .id = id, .asked = asked }, err);
+}
+
+pith_status viewer_ask_colours(viewer *own, uint32_t socket, json_int_t id, json_t *asked, colour_question *colours,
+                               pith_error *err)
+{
+    const question made = { .kind = QUESTION_COLOURS, .socket = socket, .id = id, .asked = asked, .colours = colours };
+    return put_question(own, &made, err);
 }
 
 /* ---- looks ------------------------------------------------------------------------------------------------------- */
@@ -271,6 +292,59 @@ static pith_status answer_section(viewer *own, const question *at, packet **made
     return pack_section(viewer_shown(own)->model, &plane, &stamp, made, err);
 }
 
+/* ---- colours ----------------------------------------------------------------------------------------------------- */
+
+static pith_vec3 *points_of(const float *values, size_t count)
+{
+    pith_vec3 *points = pith_alloc(count + 1, sizeof *points);
+    for (size_t i = 0; points && i < count; ++i)
+        points[i] = pith_v3(values[3 * i], values[3 * i + 1], values[3 * i + 2]);
+    return points;
+}
+
+static pith_status sample_colours(const question *at, const pith_solid *solid, packet_maker *maker, pith_error *err)
+{
+    const colour_question *from = at->colours;
+    const json_t *light = json_object_get(at->asked, "light");
+    const uint32_t channels = pith_solid_channels(solid);
+    pith_vec3 *all[4] = { NULL };
+    static const int which[3] = { 0, 2, 3 };
+    bool room = true;
+    for (int k = 0; k < 3; ++k)
+        if (from->values[which[k]]) room = (all[k] = points_of(from->values[which[k]], from->count)) && room;
+    if (light) room = (all[3] = pith_alloc(from->count + 1, sizeof *all[3])) && room;
+    for (size_t i = 0; light && all[3] && i < from->count; ++i)
+        all[3][i] = pith_v3(json_number_value(json_array_get(light, 0)), json_number_value(json_array_get(light, 1)),
+                            json_number_value(json_array_get(light, 2)));
+    float *answers = pith_alloc(from->count * channels + 1, sizeof *answers);
+    uint8_t(*bytes)[4] = packet_room(maker, "colours", PACKET_U8, 4 * from->count);
+    pith_status status = room && answers && bytes ? PITH_OK : PITH_OUT_OF_MEMORY(err, "colours");
+    const pith_query query = { .points = all[0], .normals = all[1], .views = all[2], .lights = all[3],
+                               .footprints = from->values[1], .count = from->count };
+    if (status == PITH_OK) status = pith_solid_sample(solid, &query, answers, err);
+    if (status == PITH_OK) pack_colours(answers, from->count, channels, bytes);
+    pith_free(answers);
+    for (int k = 0; k < 4; ++k) pith_free(all[k]);
+    return status;
+}
+
+static pith_status answer_colours(viewer *own, const question *at, size_t body, packet **made, pith_error *err)
+{
+    pith_model *model = NULL;
+    const pith_solid *solid = NULL;
+    PITH_TRY(pith_model_body(viewer_shown(own)->model, body, &model, err));
+    if (!pith_model_built(model).solid)
+        return pith_fail(err, PITH_BAD_ARGUMENT, "body: its solid is not built yet");
+    PITH_TRY(pith_model_solid(model, &solid, err));
+    if (strcmp(pith_solid_kind(solid), "lapped") == 0)
+        return pith_fail(err, PITH_BAD_ARGUMENT, "body: its solid is lapped, and composed from the view's layers");
+    packet_maker *maker = begin("colours", at, body);
+    const pith_status status = sample_colours(at, solid, maker, err);
+    if (status == PITH_OK) return packet_finish(maker, made, err);
+    packet_abandon(maker);
+    return status;
+}
+
 /* ---- answering --------------------------------------------------------------------------------------------------- */
 
 static pith_status answer(viewer *own, const question *at, packet **made, pith_error *err)
@@ -281,6 +355,7 @@ static pith_status answer(viewer *own, const question *at, packet **made, pith_e
     switch (at->kind) {
     case QUESTION_LAYER: return answer_layer(own, at, body, made, err);
     case QUESTION_LINES: return answer_lines(own, at, body, made, err);
+    case QUESTION_COLOURS: return answer_colours(own, at, body, made, err);
     case QUESTION_SECTION: break; /* of all bodies: answered above */
     }
     return PITH_OK;

@@ -19,8 +19,10 @@ glb_writer glb_begin(void);
 void glb_append(glb_writer *writer, json_t *array, json_t *value);
 void glb_set(glb_writer *writer, json_t *object, const char *key, json_t *value);
 void glb_add_vector(glb_writer *writer, pith_vec3 v);
-/* A view of the binary chunk from `start` to its end. Returns its index. */
+/* A view of the binary chunk from `start` to its end; target 0: of nothing that is drawn from. Returns its index. */
 json_int_t glb_add_view(glb_writer *writer, size_t start, int target);
+/* Bytes from one vertex to the next: must be said of a view that several accessors look into. */
+void glb_set_stride(glb_writer *writer, json_int_t view, int bytes);
 /* Values from `offset` bytes on in a view. Returns the accessor's index. */
 json_int_t glb_add_accessor(glb_writer *writer, json_int_t view, size_t offset, uint32_t count, int component,
                             const char *type);

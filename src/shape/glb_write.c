@@ -32,10 +32,16 @@ void glb_add_vector(glb_writer *writer, pith_vec3 v)
 json_int_t glb_add_view(glb_writer *writer, size_t start, int target)
 {
     const json_int_t index = (json_int_t)json_array_size(writer->views);
-    glb_append(writer, writer->views,
-               json_pack("{s:i, s:I, s:I, s:i}", "buffer", 0, "byteOffset", (json_int_t)start, "byteLength",
-                         (json_int_t)(writer->binary.size - start), "target", target));
+    json_t *view = json_pack("{s:i, s:I, s:I}", "buffer", 0, "byteOffset", (json_int_t)start, "byteLength",
+                             (json_int_t)(writer->binary.size - start));
+    if (target) glb_set(writer, view, "target", json_integer(target));
+    glb_append(writer, writer->views, view);
     return index;
+}
+
+void glb_set_stride(glb_writer *writer, json_int_t view, int bytes)
+{
+    glb_set(writer, json_array_get(writer->views, (size_t)view), "byteStride", json_integer(bytes));
 }
 
 json_int_t glb_add_accessor(glb_writer *writer, json_int_t view, size_t offset, uint32_t count, int component,

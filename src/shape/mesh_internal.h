@@ -92,6 +92,10 @@ typedef pith_status mesh_reader(mesh_builder *builder, const unsigned char *byte
 mesh_reader mesh_read_obj, mesh_read_off, mesh_read_ply, mesh_read_stl, mesh_read_glb;
 typedef pith_status mesh_writer(const pith_mesh_view *view, mesh_bytes *bytes, pith_error *err);
 mesh_writer mesh_write_obj, mesh_write_ply, mesh_write_glb;
+/* The same with a picture, or with the material of this name in this file; NULL: with none. */
+pith_status mesh_write_glb_textured(const pith_mesh_view *view, const pith_texture *texture, mesh_bytes *bytes,
+                                    pith_error *err);
+void mesh_write_obj_material(const pith_mesh_view *view, const char *file, const char *material, mesh_bytes *bytes);
 
 /* ---- mesh_edges.c: who shares an edge with whom ------------------------------------------------------------------ */
 

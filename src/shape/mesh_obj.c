@@ -275,10 +275,25 @@ static void write_vector(mesh_bytes *bytes, const char *word, pith_vec3 vector)
     }
 }
 
+static void write_words(mesh_bytes *bytes, const char *first, const char *second)
+{
+    mesh_bytes_text(bytes, first);
+    mesh_bytes_text(bytes, " ");
+    mesh_bytes_text(bytes, second);
+    mesh_bytes_text(bytes, "\n");
+}
+
 pith_status mesh_write_obj(const pith_mesh_view *view, mesh_bytes *bytes, pith_error *err)
 {
     (void)err;
+    mesh_write_obj_material(view, NULL, NULL, bytes);
+    return PITH_OK;
+}
+
+void mesh_write_obj_material(const pith_mesh_view *view, const char *file, const char *material, mesh_bytes *bytes)
+{
     mesh_bytes_text(bytes, "# pith\n");
+    if (file) write_words(bytes, "mtllib", file);
     for (uint32_t v = 0; v < view->vertex_count; ++v) {
         write_vector(bytes, "v", view->positions[v]);
         for (int k = 0; view->colours && k < 3; ++k) {
@@ -298,6 +313,7 @@ pith_status mesh_write_obj(const pith_mesh_view *view, mesh_bytes *bytes, pith_e
         write_vector(bytes, "vn", view->normals[v]);
         mesh_bytes_text(bytes, "\n");
     }
+    if (material) write_words(bytes, "usemtl", material);
     for (uint32_t t = 0; t < view->triangle_count; ++t) {
         mesh_bytes_text(bytes, "f");
         for (int k = 0; k < 3; ++k) {
@@ -311,5 +327,4 @@ pith_status mesh_write_obj(const pith_mesh_view *view, mesh_bytes *bytes, pith_e
         }
         mesh_bytes_text(bytes, "\n");
     }
-    return PITH_OK;
 }

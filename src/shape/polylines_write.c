@@ -50,11 +50,13 @@ static json_t *add_primitives(glb_writer *writer, const pith_polylines *lines, c
     const uint32_t points = lines->start[lines->line_count];
     for (uint32_t i = 0; i < points; ++i) glb_add_vector(writer, lines->points[i]);
     const json_int_t positions = glb_add_view(writer, 0, GLB_VERTICES);
+    glb_set_stride(writer, positions, 12);
     const size_t start = writer->binary.size;
     for (uint32_t line = 0; colours && line < lines->line_count; ++line)
         for (uint32_t i = lines->start[line]; i < lines->start[line + 1]; ++i)
             for (int k = 0; k < 3; ++k) mesh_bytes_f32(&writer->binary, colours[line][k]);
     const json_int_t tints = colours ? glb_add_view(writer, start, GLB_VERTICES) : 0;
+    if (colours) glb_set_stride(writer, tints, 12);
 
     json_t *primitives = json_array();
     for (uint32_t line = 0; line < lines->line_count; ++line) {

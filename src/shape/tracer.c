@@ -1,9 +1,9 @@
-/* Rays, nearest points and inside tests over triangles, on Embree 3.
+/* Rays, nearest points and inside tests over triangles, and rays over quadrics beside them, on Embree 3.
 
    Embree finds candidates in single precision on a copy of the mesh that is centred and scaled to about unit size; what
    is reported is then computed in double precision on the mesh itself. So distances are good to double precision, a
    ray's range is honoured exactly, and a point a millionth of the body's size from the surface is judged on the right
-   side of it.
+   side of it. Quadrics are known to Embree by their boxes alone; where a ray meets one is found in double precision.
 
    The same bits on every machine and for any number of threads: the instruction set is fixed where the processor has
    it, the scene is built by one thread (ties between triangles at equal distance depend on the order in the tree), and
@@ -14,6 +14,9 @@
 #include <string.h>
 
 #include "mesh_internal.h"
+#include "quadric_internal.h"
+
+enum { TRIANGLES, QUADRICS }; /* Embree's numbers of the two geometries */
 
 struct pith_tracer {
     RTCDevice device;
@@ -21,6 +24,8 @@ struct pith_tracer {
     pith_vec3 *positions; /* the mesh, in doubles */
     uint32_t (*triangles)[3];
     uint32_t vertex_count, triangle_count;
+    pith_quadric *quadrics; /* their axes have unit length */
+    uint32_t quadric_count;
     pith_vec3 centre;
     double scale; /* scene = (model - centre) * scale */
 };
@@ -48,11 +53,20 @@ static pith_vec3 to_scene(const pith_tracer *tracer, pith_vec3 p)
 
 static void find_frame(pith_tracer *tracer)
 {
-    const pith_box box = pith_box_of(tracer->positions, tracer->vertex_count);
-    tracer->centre = tracer->vertex_count > 0 ? pith_lerp(box.low, box.high, 0.5) : pith_v3(0, 0, 0);
+    pith_box box = pith_box_of(tracer->positions, tracer->vertex_count);
+    const pith_box turned = pith_quadrics_box(tracer->quadrics, tracer->quadric_count);
+    if (tracer->quadric_count > 0) {
+        pith_box_add(&box, turned.low);
+        pith_box_add(&box, turned.high);
+    }
+    const bool empty = tracer->vertex_count == 0 && tracer->quadric_count == 0;
+    const pith_vec3 c = tracer->centre = empty ? pith_v3(0, 0, 0) : pith_lerp(box.low, box.high, 0.5);
     double radius = 0.0;
-    for (uint32_t v = 0; v < tracer->vertex_count; ++v)
-        radius = fmax(radius, pith_distance(tracer->positions[v], tracer->centre));
+    for (uint32_t v = 0; v < tracer->vertex_count; ++v) radius = fmax(radius, pith_distance(tracer->positions[v], c));
+    if (tracer->quadric_count > 0) { /* no point of them is farther than a corner of their box */
+        const pith_vec3 low = pith_sub(c, turned.low), high = pith_sub(turned.high, c);
+        radius = fmax(radius, pith_length(pith_v3(fmax(low.x, high.x), fmax(low.y, high.y), fmax(low.z, high.z))));
+    }
     tracer->scale = radius > 1e-60 ? 1.0 / radius : 1.0;
 }
 
@@ -74,6 +88,29 @@ static bool fill_geometry(const pith_tracer *tracer, RTCGeometry geometry)
     return true;
 }
 
+/* The box of a quadric in scene units, wide enough for what floats round off. */
+static void bound_quadric(const struct RTCBoundsFunctionArguments *args)
+{
+    const pith_tracer *tracer = args->geometryUserPtr;
+    const pith_box box = pith_quadrics_box(&tracer->quadrics[args->primID], 1);
+    const pith_vec3 low = to_scene(tracer, box.low), high = to_scene(tracer, box.high);
+    *args->bounds_o = (struct RTCBounds){ .lower_x = (float)(low.x - SCENE_SLACK),
+                                          .lower_y = (float)(low.y - SCENE_SLACK),
+                                          .lower_z = (float)(low.z - SCENE_SLACK),
+                                          .upper_x = (float)(high.x + SCENE_SLACK),
+                                          .upper_y = (float)(high.y + SCENE_SLACK),
+                                          .upper_z = (float)(high.z + SCENE_SLACK) };
+}
+
+static void intersect_quadric(const struct RTCIntersectFunctionNArguments *args);
+static void occlude_quadric(const struct RTCOccludedFunctionNArguments *args);
+
+static void attach(pith_tracer *tracer, RTCGeometry geometry, unsigned number)
+{
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometryByID(tracer->scene, geometry, number);
+}
+
 static pith_status make_scene(pith_tracer *tracer, pith_error *err)
 {
     tracer->device = rtcNewDevice(device_options());
@@ -86,35 +123,61 @@ static pith_status make_scene(pith_tracer *tracer, pith_error *err)
     if (tracer->triangle_count > 0) {
         RTCGeometry geometry = rtcNewGeometry(tracer->device, RTC_GEOMETRY_TYPE_TRIANGLE);
         filled = fill_geometry(tracer, geometry);
-        if (filled) {
-            rtcCommitGeometry(geometry);
-            rtcAttachGeometry(tracer->scene, geometry);
-        }
+        if (filled) attach(tracer, geometry, TRIANGLES);
+        rtcReleaseGeometry(geometry);
+    }
+    if (tracer->quadric_count > 0 && filled) {
+        RTCGeometry geometry = rtcNewGeometry(tracer->device, RTC_GEOMETRY_TYPE_USER);
+        rtcSetGeometryUserPrimitiveCount(geometry, tracer->quadric_count);
+        rtcSetGeometryUserData(geometry, tracer);
+        rtcSetGeometryBoundsFunction(geometry, (RTCBoundsFunction)bound_quadric, NULL);
+        rtcSetGeometryIntersectFunction(geometry, intersect_quadric);
+        rtcSetGeometryOccludedFunction(geometry, occlude_quadric);
+        attach(tracer, geometry, QUADRICS);
         rtcReleaseGeometry(geometry);
     }
     if (filled) rtcCommitScene(tracer->scene);
     const enum RTCError problem = rtcGetDeviceError(tracer->device);
     if (problem == RTC_ERROR_NONE && filled) return PITH_OK;
-    return pith_fail(err, problem == RTC_ERROR_OUT_OF_MEMORY ? PITH_NO_MEMORY : PITH_EXTERNAL,
-                     "the ray tracing library Embree could not take the mesh's %u triangles (error %d)",
-                     tracer->triangle_count, (int)problem);
+    return pith_fail(
+        err, problem == RTC_ERROR_OUT_OF_MEMORY ? PITH_NO_MEMORY : PITH_EXTERNAL,
+        "the ray tracing library Embree could not take the scene's %u triangles and %u quadrics (error %d)",
+        tracer->triangle_count, tracer->quadric_count, (int)problem);
 }
 
-pith_status pith_tracer_create(const pith_mesh_view *mesh, pith_tracer **tracer, pith_error *err)
+static pith_status copy_geometry(pith_tracer *tracer, const pith_mesh_view *mesh, const pith_quadric *quadrics,
+                                 pith_error *err)
+{
+    tracer->positions = pith_alloc(tracer->vertex_count, sizeof *tracer->positions);
+    tracer->triangles = pith_alloc(tracer->triangle_count, sizeof *tracer->triangles);
+    tracer->quadrics = pith_alloc(tracer->quadric_count, sizeof *tracer->quadrics);
+    if (!tracer->positions || !tracer->triangles || !tracer->quadrics) return PITH_OUT_OF_MEMORY(err, "the tracer");
+    if (mesh->vertex_count) memcpy(tracer->positions, mesh->positions, mesh->vertex_count * sizeof *tracer->positions);
+    if (mesh->triangle_count)
+        memcpy(tracer->triangles, mesh->triangles, mesh->triangle_count * sizeof *tracer->triangles);
+    for (uint32_t i = 0; i < tracer->quadric_count; ++i) {
+        tracer->quadrics[i] = quadrics[i];
+        tracer->quadrics[i].axis = pith_unit(quadrics[i].axis);
+    }
+    return PITH_OK;
+}
+
+pith_status pith_tracer_create_with(const pith_mesh_view *mesh, const pith_quadric *quadrics, size_t quadric_count,
+                                    pith_tracer **tracer, pith_error *err)
 {
     PITH_TRY(mesh_check(mesh, "pith_tracer_create", err));
+    if (quadric_count >= PITH_NONE - mesh->triangle_count)
+        return pith_fail(err, PITH_BAD_ARGUMENT, "%zu quadrics are more than 32-bit indices can name", quadric_count);
+    for (size_t i = 0; i < quadric_count; ++i)
+        if (pith_quadric_check(&quadrics[i], err) != PITH_OK)
+            return pith_fail_in(err, PITH_BAD_ARGUMENT, "quadric %zu", i);
     pith_tracer *made = pith_alloc(1, sizeof *made);
     if (!made) return PITH_OUT_OF_MEMORY(err, "the tracer");
     made->vertex_count = mesh->vertex_count;
     made->triangle_count = mesh->triangle_count;
-    made->positions = pith_alloc(mesh->vertex_count, sizeof *made->positions);
-    made->triangles = pith_alloc(mesh->triangle_count, sizeof *made->triangles);
-    pith_status status = PITH_OK;
-    if (!made->positions || !made->triangles) status = PITH_OUT_OF_MEMORY(err, "the tracer");
+    made->quadric_count = (uint32_t)quadric_count;
+    pith_status status = copy_geometry(made, mesh, quadrics, err);
     if (status == PITH_OK) {
-        if (mesh->vertex_count) memcpy(made->positions, mesh->positions, mesh->vertex_count * sizeof *made->positions);
-        if (mesh->triangle_count)
-            memcpy(made->triangles, mesh->triangles, mesh->triangle_count * sizeof *made->triangles);
         find_frame(made);
         status = make_scene(made, err);
     }
@@ -126,6 +189,11 @@ pith_status pith_tracer_create(const pith_mesh_view *mesh, pith_tracer **tracer,
     return PITH_OK;
 }
 
+pith_status pith_tracer_create(const pith_mesh_view *mesh, pith_tracer **tracer, pith_error *err)
+{
+    return pith_tracer_create_with(mesh, NULL, 0, tracer, err);
+}
+
 void pith_tracer_destroy(pith_tracer *tracer)
 {
     if (!tracer) return;
@@ -133,6 +201,7 @@ void pith_tracer_destroy(pith_tracer *tracer)
     if (tracer->device) rtcReleaseDevice(tracer->device);
     pith_free(tracer->positions);
     pith_free(tracer->triangles);
+    pith_free(tracer->quadrics);
     pith_free(tracer);
 }
 
@@ -144,7 +213,10 @@ typedef struct ray_query {
     const pith_tracer *tracer;
     pith_vec3 origin, direction; /* model units */
     double nearest, farthest;    /* in units of direction */
+    double first, per_unit;      /* scene units: where the float ray begins, and the length of a unit of direction */
+    double quadric_distance;     /* of the nearest quadric so far, in units of direction */
     uint32_t crossings;          /* triangles crossed, for the inside test */
+    bool triangles_only;
 } ray_query;
 
 static void corners_of(const pith_tracer *tracer, uint32_t t, pith_vec3 *a, pith_vec3 *b, pith_vec3 *c)
@@ -183,6 +255,44 @@ static void count_crossing(const struct RTCFilterFunctionNArguments *args)
     args->valid[0] = 0;
 }
 
+/* Where a quadric is met nearer than `farthest`, a float along the float ray; false when it is not. */
+static bool meet_quadric(const ray_query *query, uint32_t quadric, float farthest, double *distance, float *along)
+{
+    const pith_ray ray = { query->origin, query->direction, query->nearest, query->farthest };
+    *distance = quadric_hit(&query->tracer->quadrics[quadric], &ray);
+    *along = fmaxf(0.0f, (float)(*distance * query->per_unit - query->first));
+    return isfinite(*distance) && *along <= farthest;
+}
+
+/* Of quadrics that floats cannot tell apart the nearer one in doubles is taken, and of equal ones the first. */
+static void intersect_quadric(const struct RTCIntersectFunctionNArguments *args)
+{
+    ray_query *query = (ray_query *)args->context;
+    struct RTCRayHit *probe = (struct RTCRayHit *)args->rayhit;
+    double distance;
+    float along;
+    if (!args->valid[0] || !meet_quadric(query, args->primID, probe->ray.tfar, &distance, &along)) return;
+    const bool after_quadric = probe->hit.geomID == QUADRICS;
+    if (along == probe->ray.tfar && after_quadric &&
+        !(distance < query->quadric_distance ||
+          (distance == query->quadric_distance && args->primID < probe->hit.primID)))
+        return;
+    query->quadric_distance = distance;
+    probe->ray.tfar = along;
+    probe->hit = (struct RTCHit){ .Ng_z = 1.0f, .primID = args->primID, .geomID = args->geomID };
+    probe->hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+}
+
+static void occlude_quadric(const struct RTCOccludedFunctionNArguments *args)
+{
+    const ray_query *query = (const ray_query *)args->context;
+    struct RTCRay *ray = (struct RTCRay *)args->ray;
+    double distance;
+    float along;
+    if (!args->valid[0] || query->triangles_only) return;
+    if (meet_quadric(query, args->primID, ray->tfar, &distance, &along)) ray->tfar = -INFINITY;
+}
+
 static void start_query(ray_query *query, const pith_tracer *tracer, const pith_ray *ray, RTCFilterFunctionN filter)
 {
     rtcInitIntersectContext(&query->context);
@@ -192,12 +302,14 @@ static void start_query(ray_query *query, const pith_tracer *tracer, const pith_
     query->direction = ray->direction;
     query->nearest = ray->nearest;
     query->farthest = ray->farthest;
+    query->quadric_distance = INFINITY;
     query->crossings = 0;
+    query->triangles_only = false;
 }
 
 /* The part of the ray within the scene's ball, as floats; false when it misses the ball or its range ends before. The
    float ray starts at the ball, not at the caller's origin: from far away floats could not tell the triangles apart. */
-static bool clip_to_scene(const ray_query *query, struct RTCRay *ray)
+static bool clip_to_scene(ray_query *query, struct RTCRay *ray)
 {
     const pith_tracer *tracer = query->tracer;
     const pith_vec3 origin = to_scene(tracer, query->origin);
@@ -214,6 +326,8 @@ static bool clip_to_scene(const ray_query *query, struct RTCRay *ray)
     const double first = fmax(middle - half, query->nearest * per_unit - SCENE_SLACK);
     const double last = fmin(middle + half, query->farthest * per_unit + SCENE_SLACK);
     if (!(first <= last)) return false;
+    query->first = first;
+    query->per_unit = per_unit;
 
     const pith_vec3 start = pith_madd(closest, d, first - middle);
     *ray = (struct RTCRay){ .org_x = (float)start.x,
@@ -253,6 +367,8 @@ static pith_hit first_hit(const pith_tracer *tracer, const pith_ray *ray)
     probe.hit.geomID = probe.hit.primID = RTC_INVALID_GEOMETRY_ID;
     rtcIntersect1(tracer->scene, &query.context, &probe);
     if (probe.hit.geomID == RTC_INVALID_GEOMETRY_ID) return no_hit;
+    if (probe.hit.geomID == QUADRICS)
+        return (pith_hit){ query.quadric_distance, tracer->triangle_count + probe.hit.primID, 0.0f, 0.0f };
     pith_hit hit = { plane_distance(&query, probe.hit.primID), probe.hit.primID, 0.0f, 0.0f };
     refine_hit(&query, &hit);
     return hit;
@@ -291,6 +407,7 @@ static bool odd_crossings(const pith_tracer *tracer, pith_vec3 point, pith_vec3 
     /* The float ray starts a little behind the point; the exact distance decides what lies before it. */
     const pith_ray ray = { point, direction, 0.0, INFINITY };
     start_query(&query, tracer, &ray, count_crossing);
+    query.triangles_only = true;
     if (!clip_to_scene(&query, &probe)) return false;
     rtcOccluded1(tracer->scene, &query.context, &probe);
     return query.crossings % 2 == 1;
@@ -343,7 +460,7 @@ static bool try_triangle(nearest_query *query, uint32_t t)
 static bool visit_triangle(struct RTCPointQueryFunctionArguments *args)
 {
     nearest_query *query = args->userPtr;
-    if (!try_triangle(query, args->primID)) return false;
+    if (args->geomID != TRIANGLES || !try_triangle(query, args->primID)) return false;
     /* A little more than the distance found, so that float rounding hides no equal or nearer one. */
     const double radius = query->best.distance * query->tracer->scale * (1.0 + 1e-6) + SCENE_SLACK * query->reach;
     args->query->radius = (float)radius;

@@ -1,5 +1,5 @@
 /* Solid of kind "grid": trilinear voxels with a place in the model. */
-#include "solid_kind.h"
+#include "pith/solid_kind.h"
 
 #include <string.h>
 

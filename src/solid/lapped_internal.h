@@ -23,7 +23,7 @@
 #ifndef PITH_LAPPED_INTERNAL_H
 #define PITH_LAPPED_INTERNAL_H
 
-#include "solid_kind.h"
+#include "pith/solid_kind.h"
 
 /* ---- masks ------------------------------------------------------------------------------------------------------ */
 

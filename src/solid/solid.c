@@ -1,5 +1,5 @@
 /* The sampling interface: checks, blocks, threads. The answering is done by the kinds. */
-#include "solid_kind.h"
+#include "pith/solid_kind.h"
 
 #include <omp.h>
 
@@ -18,6 +18,8 @@ static pith_query query_block(const pith_query *query, size_t first, size_t coun
     return (pith_query){
         .points = query->points + first,
         .normals = query->normals ? query->normals + first : NULL,
+        .views = query->views ? query->views + first : NULL,
+        .lights = query->lights ? query->lights + first : NULL,
         .footprints = query->footprints ? query->footprints + first : NULL,
         .tets = query->tets ? query->tets + first : NULL,
         .weights = query->weights ? query->weights + first : NULL,

@@ -61,6 +61,28 @@ static void test_refusals_say_why_and_touch_nothing(void **state)
     assert_int_equal(size, 5);
 }
 
+static void test_files_that_belong_together_are_written_or_none(void **state)
+{
+    (void)state;
+    pith_error err;
+    char other[260];
+    snprintf(other, sizeof other, "%s/other", folder);
+    const pith_file_part good[] = { { in_folder("file"), "abc", 3 }, { other, "de", 2 } };
+    CHECK_OK(pith_files_write(good, 2, &err));
+    const pith_file_part bad[] = { { good[0].path, "xyz", 3 }, { folder, "no", 2 }, { other, "no", 2 } };
+    CHECK_FAILS(pith_files_write(bad, 3, &err), PITH_IO, "cannot be written");
+    const char *const kept[] = { "abc", "de" };
+    for (int i = 0; i < 2; ++i) {
+        unsigned char *bytes = NULL;
+        size_t size = 0;
+        CHECK_OK(pith_file_read(good[i].path, &bytes, &size, &err));
+        assert_string_equal((char *)bytes, kept[i]);
+        pith_free(bytes);
+    }
+    CHECK_OK(pith_files_write(NULL, 0, &err));
+    remove(other);
+}
+
 static void test_a_full_disk_keeps_the_old_file(void **state)
 {
     (void)state;
@@ -129,6 +151,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_what_was_written_is_read),
         cmocka_unit_test(test_refusals_say_why_and_touch_nothing),
+        cmocka_unit_test(test_files_that_belong_together_are_written_or_none),
         cmocka_unit_test(test_a_full_disk_keeps_the_old_file),
         cmocka_unit_test(test_no_memory_is_a_status),
         cmocka_unit_test(test_extensions),

@@ -60,13 +60,20 @@ static void test_wrong_usage_is_2_and_helps(void **state)
         { "render small.pith -o x.png --ground maybe", "ground is \"maybe\", expected yes or no" },
         { "render small.pith -o x.png --plane 1,2,3", "expected px,py,pz,nx,ny,nz" },
         { "render small.pith -o x.png --plane 0,0,0,0,0,0", "not zero" },
-        { "render small.pith -o x.gif", "ending in .png or .jpg" },
+        { "render small.pith -o x.gif", "ending in .png, .jpg or .exr" },
         { "render small.pith -o x.png --keep positive", "--keep goes with --plane" },
         { "render small.pith -o x.png --gap 1", "--gap goes with --plane" },
         { "render small.pith -o x.png --plane 0,0,0,0,0,1 --keep all", "expected one of both, positive, negative" },
         { "cut small.pith --format stl", "expected glb, ply or obj" },
         { "cut small.pith --edge -1", "--edge is \"-1\", expected a number from 0" },
-        { "bake small.pith -o x.png", "ending in .nrrd or .vtu" },
+        { "bake small.pith -o x.png", "ending in .nrrd, .vtu, .glb or .obj" },
+        { "bake small.pith -o x.glb --voxels 9", "--voxels is of voxel grids" },
+        { "bake small.pith -o x.obj --type float", "--type is of voxel grids" },
+        { "bake small.pith -o x.nrrd --density 9", "--density is of texture atlases" },
+        { "bake small.pith -o x.vtu --atlas", "--atlas is of texture atlases" },
+        { "bake small.pith -o x.nrrd --plane 0,0,0,0,0,1", "is baked uncut" },
+        { "bake small.pith -o x.glb --gap 1", "--gap goes with --plane" },
+        { "bake small.pith -o x.glb --stretch 3", "stretch is 3, expected 1.05 to 2" },
         { "bake small.pith -o x.nrrd --voxels 1.5", "expected a whole number from 2 to 2048" },
         { "fill small.pith --json=yes", "--json takes no value" },
         { "fill small.pith --threads 0", "expected a whole number from 1" },
@@ -207,6 +214,17 @@ static void test_the_whole_job(void **state)
     CHECK_AT_LEAST(grid->values[middle + 2], 0.5);
     CHECK_NEAR(grid->values[3], 0, 0); /* the corner is outside */
     pith_grid_destroy(grid);
+
+    CHECK_RUN(0, "build/pith bake small.pith -o s.glb --density 20 --threads 1");
+    CHECK_RUN(0, "build/pith bake small.pith -o t.glb --density 20 --threads 3 --atlas && cmp s.glb t.glb");
+    assert_string_equal(run_out, "");
+    assert_string_equal(run_err, "");
+    CHECK_RUN(0, "build/pith info s.glb");
+    CHECK_RUN(0, "build/pith bake small.pith -o s.obj --density 20 --json && test -f s.mtl -a -f s.png");
+    CHECK_SAYS(run_out, "\"least_density\": 20.0");
+    CHECK_RUN(1, "build/pith bake small.pith -o big.obj --density 1000000");
+    CHECK_SAYS(run_err, "would do");
+    CHECK_RUN(0, "test ! -e big.obj -a ! -e big.mtl -a ! -e big.png");
 }
 
 static void test_sampling_refuses_what_is_no_point(void **state)

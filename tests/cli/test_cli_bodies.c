@@ -136,6 +136,10 @@ static void test_bake_covers_all(void **state)
     CHECK_NEAR(grid->origin.z, -0.75, 1e-9);
     CHECK_NEAR(grid->size[2], 8, 0);
     pith_grid_destroy(grid);
+    CHECK_RUN(0, "build/pith bake layers.pith -o all.obj --density 10 --json && build/pith info all.obj");
+    CHECK_RUN(0, "build/pith bake layers.pith -o blue.obj --density 10 --body blue && build/pith info blue.obj");
+    CHECK_RUN(0, "test $(grep -c ^f all.obj) -gt $(grep -c ^f blue.obj)");
+    CHECK_RUN(2, "build/pith bake layers.pith -o b.glb --body mauve");
     CHECK_RUN(2, "build/pith bake layers.pith -o b.vtu");
     CHECK_SAYS(run_err, "choose one with --body");
     CHECK_RUN(2, "build/pith field layers.pith -o b.vtp");

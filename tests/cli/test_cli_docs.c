@@ -58,6 +58,7 @@ static void test_the_tutorial(void **state)
     CHECK_RUN(0, "rm -f my.pith*");
     CHECK_AT_LEAST(run_page("docs/tutorial/1_first_cut.md"), 4);
     CHECK_AT_LEAST(run_page("docs/tutorial/2_orientation.md"), 2);
+    CHECK_AT_LEAST(run_page("docs/tutorial/3_computed.md"), 3);
 }
 
 static void test_the_editor(void **state)
@@ -73,6 +74,20 @@ static void test_cuts_and_volumes(void **state)
     CHECK_AT_LEAST(run_page("docs/cuts.md"), 4);
     CHECK_RUN(0, "test -f caps-2.ply -a ! -f caps-3.ply");
     CHECK_AT_LEAST(run_page("docs/volumes.md"), 3);
+}
+
+static void test_procedural(void **state)
+{
+    (void)state;
+    CHECK_AT_LEAST(run_page("docs/procedural.md"), 4);
+    CHECK_RUN(0, "test -f block.png -a -f spindles.png");
+}
+
+static void test_baking(void **state)
+{
+    (void)state;
+    CHECK_AT_LEAST(run_page("docs/baking.md"), 5);
+    CHECK_RUN(0, "test -f kiwi.glb -a -f kiwi.obj -a -f kiwi.mtl -a -f kiwi.png -a -f halves.glb -a -f kiwi.vtu");
 }
 
 static void test_editing(void **state)
@@ -96,7 +111,9 @@ int main(void)
         cmocka_unit_test(test_the_readme_lists_the_verbs),
         cmocka_unit_test(test_the_tutorial),
         cmocka_unit_test(test_cuts_and_volumes),
+        cmocka_unit_test(test_baking),
         cmocka_unit_test(test_the_editor),
+        cmocka_unit_test(test_procedural),
         cmocka_unit_test(test_editing),
         cmocka_unit_test(test_fields),
     };

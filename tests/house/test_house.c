@@ -13,7 +13,7 @@ static const room rooms[] = {
     { "shape", 1 }, { "image", 1 }, { "solve", 1 },
     { "field", 2 }, { "cut", 2 },
     { "solid", 3 }, { "exemplar", 3 },
-    { "render", 4 }, { "bake", 4 }, { "body", 4 }, { "heart", 4 }, { "head", 4 },
+    { "procedural", 4 }, { "render", 4 }, { "bake", 4 }, { "body", 4 }, { "heart", 4 }, { "head", 4 },
     { "document", 5 },
     { "server", 6 },
     { "cli", 7 },
@@ -64,11 +64,11 @@ static int walk(const char *folder, void (*visit)(const char *path, char *text))
 
 static int complaints;
 
-/* The room a file belongs to: src/<room>/… or include/pith/<room>.h. */
+/* The room a file belongs to: src/<room>/…, include/pith/<room>.h or <room>_….h. */
 static int home_of(const char *path)
 {
     const char *name = strncmp(path, "src/", 4) == 0 ? path + 4 : path + strlen("include/pith/");
-    return room_of(name, strcspn(name, "/."));
+    return room_of(name, strcspn(name, "/._"));
 }
 
 static void check_includes(const char *path, char *text)
@@ -89,7 +89,7 @@ static void check_includes(const char *path, char *text)
             ++complaints;
         }
         if (!public) continue;
-        const int other = room_of(name + 5, strcspn(name + 5, ".\"\n"));
+        const int other = room_of(name + 5, strcspn(name + 5, "._\"\n"));
         if (other < 0 || (other != home && rooms[other].floor >= rooms[home].floor)) {
             print_error("%s (floor %d) includes %.*s, which is not on a lower floor\n", path, rooms[home].floor,
                         (int)length, name);

@@ -224,10 +224,10 @@ static void test_wrong_wishes_are_named(void **state)
     CHECK_FAILS(pith_image_create(4, 4, 5, &image, &err), PITH_BAD_ARGUMENT, "5 channels");
     CHECK_FAILS(pith_image_read("no such file.png", &image, &err), PITH_IO, "no such file.png");
     CHECK_FAILS(pith_image_decode("notes.txt", "hello world", 11, &image, &err), PITH_BAD_FILE,
-                "neither a PNG nor a JPEG");
+                "neither a PNG, a JPEG nor an EXR");
     CHECK_FAILS(pith_image_decode("empty", "", 0, &image, &err), PITH_BAD_FILE, "empty");
     CHECK_OK(pith_image_create(4, 4, 4, &image, &err));
-    CHECK_FAILS(pith_image_write(image, "picture.gif", 90, &err), PITH_BAD_ARGUMENT, ".png or .jpg");
+    CHECK_FAILS(pith_image_write(image, "picture.gif", 90, &err), PITH_BAD_ARGUMENT, ".png, .jpg or .exr");
     CHECK_FAILS(pith_image_write(image, "picture.jpg", 90, &err), PITH_BAD_ARGUMENT, "alpha");
     CHECK_FAILS(pith_image_write(image, "picture.jpg", 0, &err), PITH_BAD_ARGUMENT, "quality is 0");
     CHECK_FAILS(pith_image_write(image, "/no/such/folder/p.png", 0, &err), PITH_IO, "/no/such/folder/p.png");

@@ -1,62 +1,8 @@
 /* Pictures whose pixels are known: flat colours, ramps, layers, shadows; and what must not change them. */
-#include "cut/bodies.h"
-#include "pith/render.h"
+#include "render/pictures.h"
 
 #include <stdbool.h>
 #include <string.h>
-
-/* A grid solid over [0,1]^3 with a margin: at x the colour is low + x (high - low), RGBA. */
-static pith_solid *ramp_solid(const float low[4], const float high[4])
-{
-    pith_error err;
-    const uint32_t size[3] = { 64, 1, 1 };
-    pith_grid *grid = NULL;
-    CHECK_OK(pith_grid_create(size, 4, &grid, &err));
-    grid->origin = pith_v3(-0.5, -0.5, -0.5);
-    grid->spacing = pith_v3(2.0 / 64, 2.0, 2.0);
-    for (uint32_t i = 0; i < 64; ++i) {
-        const float x = -0.5f + 2.0f * ((float)i + 0.5f) / 64.0f;
-        for (int c = 0; c < 4; ++c) grid->values[4 * i + c] = low[c] + x * (high[c] - low[c]);
-    }
-    pith_solid *solid = NULL;
-    CHECK_OK(pith_solid_grid(grid, true, &solid, &err));
-    pith_grid_destroy(grid);
-    return solid;
-}
-
-static pith_solid *flat_solid(float red, float green, float blue, float alpha)
-{
-    const float colour[4] = { red, green, blue, alpha };
-    return ramp_solid(colour, colour);
-}
-
-static pith_shell *cube_shell(void)
-{
-    pith_error err;
-    pith_part *part = body_part(2, false);
-    pith_shell *shell = NULL;
-    CHECK_OK(pith_part_shell(part, &shell, &err));
-    pith_part_destroy(part);
-    return shell;
-}
-
-/* Looks along +y at the middle of the cube's front face, 3 units before it; the picture is 2 units high there. */
-static pith_camera front_camera(void)
-{
-    return (pith_camera){ { 0.5, -3, 0.5 }, { 0.5, 0, 0.5 }, { 0, 0, 1 }, 2 * atan(1.0 / 3) * 180 / M_PI };
-}
-
-static pith_render_options plain_options(void)
-{
-    pith_render_options o = pith_render_options_default();
-    o.width = o.height = 64;
-    o.samples = 4;
-    o.light_strength = 0;
-    o.ambient = 1;
-    o.gloss = 0;
-    o.ground = false;
-    return o;
-}
 
 static pith_image *draw(const pith_shell *shell, const pith_solid *solid, const pith_render_options *o)
 {
@@ -66,11 +12,6 @@ static pith_image *draw(const pith_shell *shell, const pith_solid *solid, const 
     pith_image *image = NULL;
     CHECK_OK(pith_render(&item, 1, &camera, o, NULL, &image, &err));
     return image;
-}
-
-static const float *pixel(const pith_image *image, uint32_t x, uint32_t y)
-{
-    return image->pixels + 4 * ((size_t)y * image->width + x);
 }
 
 static void test_even_light_shows_the_solids_own_colour(void **state)
@@ -444,13 +385,22 @@ static void test_refusals_and_cancelling(void **state)
     item.mesh = mesh;
     CHECK_FAILS(pith_render(&item, 1, &camera, &o, NULL, &image, &err), PITH_BAD_ARGUMENT, "both a mesh and a shell");
     item.shell = NULL;
-    CHECK_FAILS(pith_render(&item, 1, &camera, &o, NULL, &image, &err), PITH_BAD_ARGUMENT, "both a mesh and a solid");
+    item.reflectivity = NAN;
+    CHECK_FAILS(pith_render(&item, 1, &camera, &o, NULL, &image, &err), PITH_BAD_ARGUMENT, "reflectivity");
+    item.reflectivity = 0;
     item.solid = NULL;
     CHECK_FAILS(pith_render(&item, 1, &camera, &o, NULL, &image, &err), PITH_BAD_ARGUMENT, "opacity");
     item.colour[3] = 1;
     item.colour[1] = NAN;
     CHECK_FAILS(pith_render(&item, 1, &camera, &o, NULL, &image, &err), PITH_BAD_ARGUMENT, "colour");
     pith_mesh_destroy(mesh);
+    pith_quadric ball = pith_quadric_sphere(pith_v3(0, 0, 0), 1);
+    item = (pith_render_item){ .shell = shell, .solid = solid, .quadrics = &ball, .quadric_count = 1 };
+    CHECK_FAILS(pith_render(&item, 1, &camera, &o, NULL, &image, &err), PITH_BAD_ARGUMENT, "both quadrics and a shell");
+    item = (pith_render_item){ .quadrics = &ball, .quadric_count = 1 };
+    CHECK_FAILS(pith_render(&item, 1, &camera, &o, NULL, &image, &err), PITH_BAD_ARGUMENT, "opacity");
+    ball.low = ball.high;
+    CHECK_FAILS(pith_render(&item, 1, &camera, &o, NULL, &image, &err), PITH_BAD_ARGUMENT, "quadric 0");
     item = (pith_render_item){ .shell = shell, .solid = solid };
     camera.target = camera.eye;
     CHECK_FAILS(pith_render(&item, 1, &camera, &o, NULL, &image, &err), PITH_BAD_ARGUMENT, "camera");
@@ -506,9 +456,29 @@ static void test_every_allocation_may_fail(void **state)
     pith_shell_destroy(shell);
 }
 
+/* A box straight ahead, at the side, behind, and round the eye. */
+static void test_cameras_that_see_nothing(void **state)
+{
+    (void)state;
+    const pith_camera camera = { { 0, -5, 0 }, { 0, 0, 0 }, { 0, 0, 1 }, 40 };
+    static const struct { pith_box box; bool seen; } cases[] = {
+        { { { -1, -1, -1 }, { 1, 1, 1 } }, true },
+        { { { -100, -100, -100 }, { 100, 100, 100 } }, true },
+        { { { -1, -9, -1 }, { 1, -6, 1 } }, false },
+        /* half the width at distance 5 is 5 tan 20 degrees = 1.82 high, twice that wide */
+        { { { 3.5, 0, -1 }, { 9, 0, 1 } }, true },
+        { { { 3.8, 0, -1 }, { 9, 0, 1 } }, false },
+        { { { -1, 0, 1.9 }, { 1, 0, 3 } }, false },
+        { { { -1, 0, 1.7 }, { 1, 0, 3 } }, true },
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i)
+        assert_int_equal(pith_camera_sees(&camera, &cases[i].box, 2), cases[i].seen);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_cameras_that_see_nothing),
         cmocka_unit_test(test_even_light_shows_the_solids_own_colour),
         cmocka_unit_test(test_key_light_head_on_gives_its_strength),
         cmocka_unit_test(test_a_ramp_appears_where_perspective_puts_it),

@@ -3,10 +3,9 @@
 import { setValue, type App } from '../app';
 import type { Json } from '../protocol';
 import { solidOf } from '../store';
-import { button } from '../ui/controls';
 import { fill, h, set } from '../ui/dom';
 import { openDialog } from '../ui/dialog';
-import { icon } from '../ui/icons';
+import { dropZone } from '../ui/dropzone';
 import { Cube, exemplarName } from '../panels/exemplars';
 
 interface Entry { path: string; name: string; shipped: boolean; kind: 'recipe' | 'grid' }
@@ -48,25 +47,10 @@ function obstacle(app: App, exemplar: Json): Promise<string | null> {
 /** Opens the dialog; `chosen` is told what was taken, as a document writes it. */
 export function exemplarDialog(app: App, title: string, chosen: (exemplar: Json) => void): void {
   const lists = h('div', { class: 'files' }, h('p', { class: 'quiet' }, 'Looking for files…'));
-  const picker = h('input', { type: 'file', accept: '.json,.nrrd', hidden: true,
-    onchange: () => void take(picker.files) });
-  const drop = h('div', { class: 'drop' }, icon('upload', 22),
-    h('span', null, 'Drop a recipe (.json) or voxels (.nrrd) here, or '),
-    button('choose a file', () => picker.click()), picker);
-  drop.addEventListener('dragover', (event) => { event.preventDefault(); drop.classList.add('over'); });
-  drop.addEventListener('dragleave', () => drop.classList.remove('over'));
-  drop.addEventListener('drop', (event) => {
-    event.preventDefault();
-    event.stopPropagation();
-    drop.classList.remove('over');
-    void take(event.dataTransfer?.files ?? null);
-  });
-
+  const drop = dropZone('a recipe (.json) or voxels (.nrrd)', '.json,.nrrd', (file) => void take(file));
   const why = h('p', { class: 'objection', role: 'alert' });
   const use = (entry: { path: string; kind: string }): void => { close(); chosen(exemplarOf(entry)); };
-  async function take(files: FileList | null): Promise<void> {
-    const file = files?.[0];
-    if (!file) return;
+  async function take(file: File): Promise<void> {
     const path = await upload(app, file);
     if (!path) return;
     const entry = { path, kind: kindOf(path) }, refused = await obstacle(app, exemplarOf(entry));

@@ -10,6 +10,7 @@ import { fill, h, set } from '../ui/dom';
 import { openDialog } from '../ui/dialog';
 import { icon } from '../ui/icons';
 import { exemplarName, typePicture } from '../panels/exemplars';
+import { computedCard, computedOf, computedOperations, computedTable } from './computed';
 
 interface Shipped { path: string; name: string; shipped: boolean }
 
@@ -19,14 +20,17 @@ const isCalled = (path: string | undefined, exemplar: string): boolean => path?.
 export function typeDialog(app: App): void {
   const { state } = app.store, solid = solidOf(state)?.json;
   const before = (solid?.kind === 'lapped' ? solid.type ?? '1-B' : '') as string;
-  let chosen = before || '1-B', recipes: Shipped[] = [], swap = !before;
+  let chosen = before || computedOf(solid?.name)?.name || '1-B', recipes: Shipped[] = [], swap = !before;
   const body = state.bodies.length > 1 ? ` of ${state.bodies[state.body]?.name}` : '';
   const note = h('div', { class: 'type-note', 'aria-live': 'polite' }),
     act = button('', () => void use(), { look: 'main' });
   const cards = typeTable.map((facts) => card(app, facts.type,
     () => { chosen = facts.type; swap = !before || !suits(facts.type); refresh(); }));
   const grid = h('div', { class: 'type-cards', role: 'radiogroup', 'aria-label': 'Texture type' }, cards);
+  const computed = computedTable.map((each) => computedCard(each, () => { chosen = each.name; refresh(); }));
+  const computedGrid = h('div', { class: 'type-cards', role: 'radiogroup', 'aria-label': 'Computed texture' }, computed);
   grid.addEventListener('keydown', (event) => rove(event, cards));
+  computedGrid.addEventListener('keydown', (event) => rove(event, computed));
 
   /* Does the present exemplar suit a type? Types 0 want exemplars that tile in depth too, and each of them another; one
      that was made for layers shows something in both types 1. */
@@ -37,12 +41,23 @@ export function typeDialog(app: App): void {
     return type[0] === '1' || !isCalled(recipe, typeFacts(before)!.exemplar);
   }
 
-  function refresh(): void {
-    cards.forEach((each, i) => {
-      const on = typeTable[i].type === chosen;
-      set(each, 'aria-checked', on);
-      each.tabIndex = on ? 0 : -1;
+  /* One of all cards is taken; each group can be reached. */
+  function mark(group: HTMLElement[], words: string[]): void {
+    group.forEach((each, i) => {
+      set(each, 'aria-checked', words[i] === chosen);
+      each.tabIndex = words[i] === chosen || (i === 0 && !words.includes(chosen)) ? 0 : -1;
     });
+  }
+
+  function refresh(): void {
+    mark(cards, typeTable.map(({ type }) => type));
+    mark(computed, computedTable.map(({ name }) => name));
+    if (computedOf(chosen)) {
+      fill(note, h('p', null, icon('noise', 16),
+        'Computed from the place alone, at the size of the body: it needs no depth and no directions, and stays sharp.'));
+      act.replaceChildren(h('span', { class: 'button-label' }, `Use ${chosen}`));
+      return;
+    }
     const facts = typeFacts(chosen)!, needs = state.types[chosen], present = presentIn(bodyJson(state));
     const adds = needKeys(needs).filter((need) => !present[need]).map((need) => needWords[need]);
     const offer = recipes.find(({ path }) => isCalled(path, facts.exemplar));
@@ -56,7 +71,19 @@ export function typeDialog(app: App): void {
     act.replaceChildren(h('span', { class: 'button-label' }, before === chosen ? 'Keep' : `Use type ${chosen}`));
   }
 
+  async function compute(): Promise<void> {
+    try {
+      await app.actions.apply(`Make it of ${chosen}`, computedOperations(app, chosen));
+    } catch (reason) {
+      app.actions.complain((reason as Error).message);
+    }
+  }
+
   async function use(): Promise<void> {
+    if (computedOf(chosen)) {
+      close();
+      return compute();
+    }
     const facts = typeFacts(chosen)!, offer = recipes.find(({ path }) => isCalled(path, facts.exemplar));
     close();
     if (chosen === before) return;
@@ -70,10 +97,10 @@ export function typeDialog(app: App): void {
 
   const close = openDialog({
     title: `Texture type${body}`, about: 'What the inside follows. Everything can be changed later.', class: 'wide',
-    body: [grid, note], actions: [button('Cancel', () => close()), act],
+    body: [grid, h('h3', { class: 'type-group' }, 'Computed'), computedGrid, note], actions: [button('Cancel', () => close()), act],
   });
   refresh();
-  cards.find((each) => each.tabIndex === 0)?.focus();
+  (computedOf(chosen) ? computed : cards).find((each) => each.tabIndex === 0)?.focus();
   app.connection.ask('files', { kind: 'recipe' }).then(({ files }) => { recipes = files as Shipped[]; refresh(); },
     (reason: Error) => app.actions.complain(reason.message));
 }
@@ -112,6 +139,12 @@ export function typeOperations(app: App, type: string, recipe?: string): Json[] 
   const needs = state.types[type], json = bodyJson(state);
   const starting = startingOperations(needs, presentIn(json), app.model.meshes.get(state.body))
     .map((operation) => ({ ...operation, ...body }));
+  const lapped = ((json.solids ?? []) as Json[]).findIndex((each) => each.kind === 'lapped');
+  if (solid && solid.json.kind !== 'lapped' && lapped >= 0) { // a lapped solid that was chosen before
+    const { name, type: old = '1-B' } = json.solids[lapped] as Json;
+    return [...starting, { op: 'solid.choose', ...body, name }, { op: 'solid.type', ...body, type },
+      ...(recipe && old !== type ? [{ op: 'set', path: `${place}solids[${lapped}].exemplar`, value: { recipe } }] : [])];
+  }
   if (solid?.json.kind === 'lapped') {
     const exemplar = recipe ? [{ op: 'set', path: `${solid.place}.exemplar`, value: { recipe } }] : [];
     return [...starting, { op: 'solid.type', ...body, type }, ...exemplar];

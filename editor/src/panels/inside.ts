@@ -10,11 +10,12 @@ import { badge, empty, list, listRow, section, setNote } from '../ui/layout';
 import { numberField } from '../ui/slider';
 import { commandButton, keyOf, pointAt, type Context } from './context';
 import { Cube, exemplarName, typePicture } from './exemplars';
+import { computedCard, graphSection } from './graph';
 import { optionRows } from './options';
 
 /** The sections of the tab, in order. */
 export function insidePanel(context: Context, recipe: HTMLElement, shape: HTMLElement): HTMLElement {
-  return h('div', { class: 'panel' }, bodiesSection(context), textureSection(context), recipe, pastesSection(context),
+  return h('div', { class: 'panel' }, bodiesSection(context), textureSection(context), graphSection(context), recipe, pastesSection(context),
     shape);
 }
 
@@ -72,7 +73,8 @@ function textureSection(context: Context): HTMLElement {
       choice('Made of', what.names.map((value) => ({ value, label: value })), what.name,
       (name) => void operate(app, `Make it of ${name}`, { op: 'solid.choose', name }), { key: 'solid' }).element),
     what.kind === 'lapped' ? typeCard(context, what.type)
-      : h('p', { class: 'quiet' }, 'A voxel grid, as it is in its file.')];
+      : what.kind === 'procedural' ? computedCard(context)
+        : h('p', { class: 'quiet' }, 'A voxel grid, as it is in its file.')];
   });
   let shown = '';
   const refresh = (): void => {

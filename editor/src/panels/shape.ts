@@ -7,20 +7,29 @@ import { h, live } from '../ui/dom';
 import { empty, section, setNote } from '../ui/layout';
 import type { Context } from './context';
 import { join, optionRows, type OptionSettings } from './options';
+import { profileEditor } from './profile';
 
 /** The section; it follows the chosen body. */
 export function shapeSection(context: Context): HTMLElement {
   const { app } = context, part = section('shape', 'Shape', { folded: true });
   live(app.store, part.body, ['document', 'body'], (state) => {
-    const { shape, displacement } = bodyJson(state);
-    return { place: bodyPlace(state), kind: shape?.fruit ? 'fruit' : shape?.slab ? 'slab' : 'mesh',
-      file: shape?.mesh as string | undefined,
+    const { shape, displacement, finish } = bodyJson(state);
+    return { place: bodyPlace(state), kind: Object.keys(made).find((word) => shape?.[word]) ?? 'mesh',
+      placed: shape?.place !== undefined, shiny: finish !== undefined, file: shape?.mesh as string | undefined,
              refine: shape?.refine !== undefined, relief: displacement !== undefined };
-  }, ({ place, kind, file, refine, relief }) => {
+  }, ({ place, kind, placed, shiny, file, refine, relief }) => {
     setNote(part, file ? file.split('/').pop() : kind);
     return [
       file ? h('p', { class: 'quiet' }, `The mesh is ${file}.`)
         : optionRows(app, `${place}shape.${kind}`, { of: kind, ...made[kind] }),
+      kind === 'turned' && profileEditor(app, `${place}shape.turned.profile`),
+      folded('place', 'Place', placed ? placeRows(context, place) : empty('It stands where it was made.',
+        button('Move, turn or scale it', () => void setValue(app, 'Place the body', join(place, 'shape.place'), {}),
+          { key: 'place' }))),
+      folded('finish', 'Finish', shiny ? optionRows(app, `${place}finish`, { of: 'finish' })
+        : empty('Its surface mirrors nothing. Polished stone and varnish do, in pictures with bounces.',
+          button('Polish', () => void setValue(app, 'Polish the body', join(place, 'finish'), { reflectivity: 0.04 }),
+            { key: 'finish' }))),
       folded('tets', 'Tetrahedra', optionRows(app, `${place}shape.tets`,
         { of: 'mesher', only: ['tetrahedra', 'edge_length', 'mesher', 'radius_edge', 'time_limit', 'memory_limit'],
         more: ['mesher', 'radius_edge', 'time_limit', 'memory_limit'],
@@ -43,6 +52,8 @@ export function shapeSection(context: Context): HTMLElement {
 const length: [number, number] = [0.05, 5], height: [number, number] = [-3, 3];
 const made: { [kind: string]: OptionSettings } = {
   fruit: { soft: { radius_x: length, radius_y: length, radius_z: length }, more: ['taper', 'detail', 'seed'] },
+  block: { soft: { size_x: length, size_y: length, size_z: length } },
+  turned: {},
   slab: { soft: { radius_x: length, radius_y: length, bottom: height, top: height, bottom_wave: [0, 1],
     top_wave: [0, 1], wave_size: length },
           more: ['wave_size', 'detail', 'bottom_seed', 'top_seed'] },
@@ -52,6 +63,14 @@ function folded(id: string, title: string, body: HTMLElement): HTMLElement {
   const part = section(`shape.${id}`, title, { folded: true, inner: true });
   part.body.append(body);
   return part.element;
+}
+
+function placeRows({ app }: Context, place: string): HTMLElement {
+  const far = app.model.diagonal(), turn: [number, number] = [-180, 180], move: [number, number] = [-2 * far, 2 * far];
+  return h('div', null, optionRows(app, `${place}shape.place`, { of: 'place', soft: { scale: [0.1, 10], turn_x: turn,
+    turn_y: turn, turn_z: turn, move_x: move, move_y: move, move_z: move } }),
+  h('div', { class: 'actions' }, button('Back to where it was made',
+    () => void removeValue(app, 'Remove place', join(place, 'shape.place')), { look: 'plain', key: 'no place' })));
 }
 
 function reliefRows({ app }: Context, place: string): HTMLElement {

@@ -1,5 +1,6 @@
 // The order of the tools, what each is for, and why one is of no use to the chosen body.
 
+import type { Json } from '../protocol';
 import { bodyJson, solidOf, type State, type ToolName } from '../store';
 
 export interface ToolFacts {
@@ -26,6 +27,7 @@ export const toolTable: readonly ToolFacts[] = [
 export function toolObstacle(state: State, name: ToolName): string | null {
   if (name === 'select' || name === 'cut' || name === 'plane') return null;
   const solid = solidOf(state)?.json;
+  if (solid?.kind === 'procedural') return computedObstacle(solid, name);
   if (solid && solid.kind !== 'lapped') return `This body is made of a voxel grid, which needs no ${wants[name]}.`;
   if (!solid) return name === 'paste' ? 'This body has no solid to paste on yet; choose a texture type first.' : null;
   const type = (solid.type ?? '1-B') as string, needs = state.types[type];
@@ -37,6 +39,18 @@ export function toolObstacle(state: State, name: ToolName): string | null {
       : `Type ${type} turns each patch at random; it follows no directions.`;
   }
   return needs.depth ? null : `Type ${type} does not follow depth.`;
+}
+
+/* A computed solid follows what its functions say; of the fields only directions, and these only when one asks. */
+function computedObstacle(solid: Json, name: ToolName): string | null {
+  const directed = ((solid.nodes ?? []) as Json[]).some((node) => node.function === 'direction');
+  if (name === 'direction') {
+    return directed ? null : 'This body is computed, and none of its functions is “direction”; add one to follow strokes.';
+  }
+  if (directed && name !== 'scale' && name !== 'paste') return null; // directions lie within the layers of depth
+  if (name === 'scale') return 'This body is computed: its sizes are in its graph, under “Inside”.';
+  if (name === 'paste') return 'This body is computed; only bodies filled with an exemplar can be pasted on.';
+  return 'This body is computed from the place alone; it does not follow depth.';
 }
 
 const wants: { [name in ToolName]?: string } = {

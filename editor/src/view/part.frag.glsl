@@ -17,6 +17,7 @@ uniform float opacity;
 uniform sampler2D painted;      // depth painted on each face, PAINT_WIDTH in a row; negative: none
 uniform vec4 clip;              // clip plane in material coordinates; zero normal: none
 uniform vec3 accent;
+uniform int asking;             // a body, from 1: where its points are is drawn, not how they look
 #ifdef GHOST
 uniform mat4 ghostMatrix;       // material coordinates to texture coordinates
 uniform highp sampler3D ghost;
@@ -25,6 +26,9 @@ uniform vec2 ghostMask;         // radius, drop-off
 #ifdef GRID
 uniform highp sampler3D voxels;
 uniform vec3 gridOrigin, gridExtent;
+uniform bool known;             // are there colours for each pixel?
+uniform sampler2D colours;
+uniform int body, askedFor;
 #endif
 
 const int PAINT_WIDTH = 1024;
@@ -68,6 +72,8 @@ vec3 ownColour(bool section, uint face)
 #endif
 #ifdef GRID
         colour = textureLod(voxels, (vMaterial - gridOrigin) / gridExtent, 0.0).rgb;
+        vec4 own = known ? texelFetch(colours, ivec2(gl_FragCoord.xy), 0) : vec4(0.0);
+        if (own.a > 0.0) colour = fromSrgb(own.rgb);
 #endif
 #ifdef GHOST
         vec4 over = ghostColour(vMaterial);
@@ -102,9 +108,26 @@ vec3 lit(vec3 colour, vec3 normal, vec3 eye, bool section)
     return mix(lit, 0.8 + 0.2 * (1.0 - exp(-(lit - 0.8) / 0.2)), step(0.8, lit)); // highlights bend to stay below 1
 }
 
+/* The point that is seen and how wide a pixel is there, its normal, or the way to the eye; all 0 of other bodies. */
+vec4 place(float width)
+{
+#ifdef GRID
+    vec3 eye = normalize(cameraPosition - vWorld);
+    if (asking != body + 1 || !gl_FrontFacing) return vec4(0.0);
+    return askedFor == 0 ? vec4(vMaterial, max(width, 1e-9)) : askedFor == 1 ? vec4(normalize(vNormal), 1.0) : vec4(eye, 1.0);
+#else
+    return vec4(0.0);
+#endif
+}
+
 void main()
 {
+    float width = max(length(dFdx(vMaterial)), length(dFdy(vMaterial)));
     if (dot(vMaterial, clip.xyz) > clip.w && clip.xyz != vec3(0.0)) discard;
+    if (asking > 0) {
+        result = place(width);
+        return;
+    }
     bool section = (vInfo.z & 0x80000000u) != 0u;
     uint face = vInfo.z & 0x7fffffffu;
     vec3 eye = normalize(cameraPosition - vWorld);

@@ -106,7 +106,7 @@ export class View {
     return {
       layers: { value: layers }, rtUnit: { value: this.head.rt_unit ?? 1 }, sUnit: { value: this.head.s_unit ?? 1 },
       hasDepth: { value: this.head.depth ?? false }, hasPaint: { value: paint !== null }, painted: { value: paint },
-      picked: { value: false }, stale: { value: false },
+      picked: { value: false }, stale: { value: false }, body: { value: part.body },
     };
   }
 

@@ -26,6 +26,10 @@ export interface Shared {
   clip: { value: THREE.Vector4 };
   accent: { value: THREE.Vector3 };
   opacity: { value: number };
+  asking: { value: number };        // of which body points are drawn instead of a picture, from 1; 0: a picture
+  askedFor: { value: number };      // what of them
+  known: { value: boolean };        // are there colours for each pixel?
+  colours: { value: THREE.Texture | null };
 }
 
 export function sharedUniforms(): Shared {
@@ -34,6 +38,7 @@ export function sharedUniforms(): Shared {
     mode: { value: 0 }, showIsolines: { value: true }, showEdges: { value: false }, unlit: { value: false },
     clip: { value: new THREE.Vector4(0, 0, 0, 0) },
     accent: { value: new THREE.Vector3(0.25, 0.55, 1) }, opacity: { value: 1 },
+    asking: { value: 0 }, askedFor: { value: 0 }, known: { value: false }, colours: { value: null },
   };
 }
 

@@ -4,6 +4,7 @@
 import * as THREE from 'three';
 import type { Json, Packet } from '../protocol';
 import type { Hit } from '../tools/tool';
+import { PointPass, type ColourSheet, type SeenPoints } from './asked';
 import { Hands, Turntable } from './camera';
 import { Overlay } from './overlay';
 import { bareView, BodyMesh, View, type ViewPart } from './parts';
@@ -48,6 +49,8 @@ export class Viewport {
   private lines: THREE.Mesh[] = [];
   private readonly ribbons = { resolution: { value: new THREE.Vector2(1, 1) }, pale: { value: 0 } };
   private section: View | null = null;
+  private readonly pass: PointPass;
+  private sheet: { of: string; whole: boolean; sheet: ColourSheet } | null = null;
   private ghostOn = false;
   private wanted = false;
   private together = 1;
@@ -65,6 +68,7 @@ export class Viewport {
     this.renderer.outputColorSpace = THREE.LinearSRGBColorSpace; // the parts' shader encodes by itself
     this.renderer.setClearColor(0x000000, 0);
     this.canvas = this.renderer.domElement;
+    this.pass = new PointPass(this.renderer, this.shared);
     setAnisotropy(this.slow ? 1 : Math.min(8, this.renderer.capabilities.getMaxAnisotropy()));
     this.canvas.tabIndex = 0;
     this.canvas.setAttribute('aria-label', 'The model. Drag to turn it, with the right button in any tool.');
@@ -273,6 +277,50 @@ export class Viewport {
   }
   get ghosting(): boolean { return this.ghostOn; }
 
+  /* ---- colours point by point ---- */
+
+  /** What the picture shows, in a word: camera, parts, and solids that are drawn from voxels; null while there are none
+      such to be seen, or it is drawn coarsely. */
+  seen(): string | null {
+    const { view, canvas } = this, { camera } = this.table, clip = this.shared.clip.value;
+    if (!view || view.bare || this.coarse || this.layer || this.shared.mode.value !== 0) return null;
+    const bodies = this.voxelBodies();
+    if (bodies.length === 0) return null;
+    const parts = view.parts.map(({ mesh }) => (mesh.visible ? mesh.position.toArray() : 0));
+    return JSON.stringify([view.head.serial, bodies.map((body) => this.solids.get(body)!.serial), canvas.width,
+      canvas.height, camera.matrixWorld.elements, camera.projectionMatrix.elements, parts, clip.toArray(),
+      this.section?.head.serial]);
+  }
+
+  /** Bodies in the view whose solids are drawn from voxels. */
+  voxelBodies(): number[] {
+    const bodies = new Set((this.view?.parts ?? []).map((part) => part.body));
+    return [...bodies].filter((body) => this.solids.get(body)?.defines.GRID);
+  }
+
+  /** The points of such a body that are seen, moved from the middles of the pixels by parts of one. */
+  seePoints(body: number, turned: boolean, [dx, dy]: readonly [number, number]): SeenPoints {
+    const groups = [this.view!.group, ...(this.section ? [this.section.group] : [])], { camera } = this.table;
+    const { width, height } = this.canvas;
+    camera.setViewOffset(width, height, dx, dy, width, height);
+    const found = this.pass.see(body, groups, camera, turned);
+    camera.clearViewOffset();
+    return found;
+  }
+
+  /** Shows the colours of a sheet as long as the picture shows the same; `whole`: there will be no more of them. */
+  showColours(sheet: ColourSheet, of: string, whole: boolean): void {
+    if (this.sheet && this.sheet.sheet !== sheet) this.sheet.sheet.texture.dispose();
+    this.sheet = { of, whole, sheet };
+    this.shared.colours.value = sheet.texture;
+    this.invalidate();
+  }
+
+  /** Has everything seen its own colour? */
+  get fine(): boolean { return this.seen() === null || (this.sheet?.whole === true && this.sheet.of === this.seen()); }
+
+  get lightDirection(): number[] { return this.shared.lightDirection.value.toArray(); }
+
   /* ---- where things are ---- */
 
   ray(x: number, y: number): { origin: THREE.Vector3; direction: THREE.Vector3 } {
@@ -353,6 +401,8 @@ export class Viewport {
     this.shared.upDirection.value.copy(up);
     this.floor.visible = !this.layer && this.view?.box.isEmpty() === false;
     this.ribbons.pale.value = this.layer || this.shared.mode.value === 1 ? 0.75 : 0; // where their colour is all about them
+    camera.updateMatrixWorld();
+    this.shared.known.value = this.sheet !== null && this.sheet.of === this.seen();
     this.renderer.render(this.scene, camera);
     this.overlay.draw();
     const took = performance.now() - start;

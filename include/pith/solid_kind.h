@@ -1,5 +1,5 @@
-/* What a kind of solid implements. A new kind is one file (or a few) that fills a pith_solid_class, and a creating
-   function in pith/solid.h; whoever asks never sees the difference. */
+/** pith/solid_kind.h: what a kind of solid implements, for rooms and programs that make a kind of their own. It fills a
+ *  pith_solid_class and has a function that creates the solid; whoever asks never sees the difference. */
 #ifndef PITH_SOLID_KIND_H
 #define PITH_SOLID_KIND_H
 
