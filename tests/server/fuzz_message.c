@@ -97,7 +97,7 @@ static json_t *value(choices *from, int depth)
         "",          "all",         "flesh",     "positive", "1-B",  "title",  "solids[0]", "cuts", "render.samples",
         "../x.json", "/etc/passwd", "kiwi.pith", "depth",    "both", "fields", "solid",     "body", "layer",
         "mesh",      "volume",      "new/x.pith", "../x.pith", "new/../../x.pith", "ein Baum \xc3\xbc.pith",
-        "kiwi.pith/x.pith", "a\tb.pith", "n\xc3\xa4""chst/er/x.pith", "solids[0].exemplar"
+        "kiwi.pith/x.pith", "a\tb.pith", "nah\xc3\xa4/er/x.pith", "solids[0].exemplar"
     };
     switch (choose(from, depth > 0 ? 11 : 5)) {
     case 0: return json_integer((int)choose(from, 20) - 2);
