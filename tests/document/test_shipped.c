@@ -6,17 +6,26 @@
 static pith_error err;
 
 /* again: numbers of threads it is built with once more; 0 ends them. One model of each texture type, and one of bodies. */
-typedef struct shipped { const char *name; int points; bool translucent; int again[3]; } shipped;
+typedef struct shipped {
+    const char *name;
+    int points;
+    bool translucent;
+    int again[3];
+} shipped;
 static const shipped models[] = {
-    { "kiwi", 1000000, false, { 1, 3, 0 } }, { "carrot", 200000, false, { 0 } }, { "tree", 200000, false, { 0 } },
-    { "watermelon", 200000, false, { 0 } }, { "kiwi_bunny", 200000, false, { 0 } },
-    { "tube", 200000, true, { 0 } }, { "strata", 200000, false, { 3, 0 } }, { "cake", 200000, false, { 0 } },
-    { "sponge", 200000, false, { 1, 3, 0 } }, { "muscle", 200000, false, { 3, 0 } },
-    { "flattened", 200000, false, { 3, 0 } }, { "bricks", 200000, false, { 0 } },
+    { "kiwi", 1000000, false, { 1, 3, 0 } },   { "carrot", 200000, false, { 0 } },
+    { "tree", 200000, false, { 0 } },          { "watermelon", 200000, false, { 0 } },
+    { "kiwi_bunny", 200000, false, { 0 } },    { "tube", 200000, true, { 0 } },
+    { "strata", 200000, false, { 3, 0 } },     { "cake", 200000, false, { 0 } },
+    { "sponge", 200000, false, { 1, 3, 0 } },  { "muscle", 200000, false, { 3, 0 } },
+    { "flattened", 200000, false, { 3, 0 } },  { "bricks", 200000, false, { 0 } },
     { "bricks_fitted", 200000, false, { 0 } }, { "bunny_stroke", 200000, false, { 0 } },
 };
 
-typedef struct built { pith_document *document; pith_model *model; } built;
+typedef struct built {
+    pith_document *document;
+    pith_model *model;
+} built;
 
 static built build(const char *name)
 {
@@ -75,11 +84,12 @@ static void check_opacity(const pith_solid *solid, const pith_tets_view *tets, c
                         rgba[2] <= 1.0f && rgba[3] >= 0.0f && rgba[3] <= 1.0f;
         }
     }
-    print_message("%s: %d of %d points opaque, %d dense, %d faint\n", model->name, opaque, model->points, dense,
-                  faint);
+    print_message("%s: %d of %d points opaque, %d dense, %d faint\n", model->name, opaque, model->points, dense, faint);
     assert_int_equal(coloured, model->points);
-    if (model->translucent) assert_true(dense > model->points / 200 && faint > model->points / 2);
-    else assert_int_equal(opaque, model->points);
+    if (model->translucent)
+        assert_true(dense > model->points / 200 && faint > model->points / 2);
+    else
+        assert_int_equal(opaque, model->points);
     pith_free(points), pith_free(colours);
 }
 
@@ -138,8 +148,8 @@ static void check_body(pith_model *body, const document_body *asked, const shipp
     const uint32_t type = asked->solids[asked->solid].lapped.type;
     if (type == PITH_TYPE_1A || type == PITH_TYPE_1B) check_depth(body, solid, &view);
     const pith_lapped_report *report = pith_model_fill_report(body);
-    print_message("%s: axes off the frame by %.1f degrees on average, %.1f at 95 %%\n", model->name,
-                  report->angle_mean, report->angle_95);
+    print_message("%s: axes off the frame by %.1f degrees on average, %.1f at 95 %%\n", model->name, report->angle_mean,
+                  report->angle_95);
     CHECK_AT_MOST(report->angle_mean, 15.0);
     CHECK_AT_MOST(report->angle_95, 45.0);
 }
@@ -188,14 +198,14 @@ static void test_shipped_models_keep_their_promises(void **state)
 
 /* ---- the matrix ------------------------------------------------------------------------------------------------------ */
 
-static void check_sample(const pith_solid *solid)
+static void check_sample(const pith_solid *solid, bool endless)
 {
     const pith_vec3 points[2] = { { 0.05, 0.1, 0.2 }, { 40, 40, 40 } };
     const pith_query query = { .points = points, .count = 2 };
     float out[16];
     CHECK_OK(pith_solid_sample(solid, &query, out, &err));
     CHECK_NEAR((double)out[3], 1.0, 0.0);
-    CHECK_NEAR((double)out[pith_solid_channels(solid) + 3], 0.0, 0.0);
+    CHECK_NEAR((double)out[pith_solid_channels(solid) + 3], endless ? 1.0 : 0.0, 0.0);
 }
 
 static void check_render(const pith_render_item *items, size_t count, pith_camera camera)
@@ -236,6 +246,38 @@ static void check_bakes(pith_model *model, const pith_solid *solid, const pith_s
     pith_mesh_destroy(mesh);
 }
 
+/* As a picture on the surface: opaque all over, and as dense as asked. */
+static void check_atlas(const pith_shell *shell, const pith_solid *solid)
+{
+    const pith_atlas_item item = { .shell = shell, .solid = solid };
+    pith_atlas_options options = pith_atlas_options_default();
+    options.density = 20;
+    pith_textured *baked = NULL;
+    pith_atlas_report report;
+    CHECK_OK(pith_bake_atlas(&item, 1, &options, NULL, &baked, &report, &err));
+    CHECK_AT_LEAST(report.least_density, 20 * (1 - 1e-6));
+    const pith_image *texture = baked->texture;
+    assert_int_equal(texture->channels, 3);
+    const size_t middle = ((size_t)texture->height / 2 * texture->width + texture->width / 2) * texture->channels;
+    assert_true(texture->pixels[middle] > 0.0f && texture->pixels[middle + 1] > 0.0f);
+    pith_textured_destroy(baked);
+}
+
+/* Looked through: something is in the middle, nothing in the corner. */
+static void check_volume(pith_model *model, pith_camera camera)
+{
+    const pith_volume_item *items;
+    size_t count;
+    CHECK_OK(pith_model_volume_items(model, &items, &count, &err));
+    pith_volume_options options = pith_volume_options_default();
+    options.width = 80, options.height = 60, options.slices = 40, options.transparent = true;
+    pith_image *image = NULL;
+    CHECK_OK(pith_render_volume(items, count, &camera, &options, NULL, 0, NULL, &image, &err));
+    CHECK_AT_LEAST((double)image->pixels[((size_t)30 * 80 + 40) * image->channels + 3], 0.99);
+    CHECK_NEAR((double)image->pixels[3], 0.0, 0.0);
+    pith_image_destroy(image);
+}
+
 /* A grey grid over the sample's whole box, written where the document below looks for it. */
 static void write_grid(const char *path)
 {
@@ -256,15 +298,20 @@ static void test_every_kind_of_solid_through_every_consumer(void **state)
     const char *grid_file = in_folder("grey.nrrd");
     char grid_solid[400], text[4000];
     write_grid(grid_file);
-    snprintf(grid_solid, sizeof grid_solid, "{ \"name\": \"grey\", \"kind\": \"grid\", \"file\": \"%s\", \"clamp\": false }",
-             grid_file);
-    const char *const solids[] = { SAMPLE_SOLID, grid_solid };
-    static const char *const kinds[] = { "lapped", "grid" };
-    for (int kind = 0; kind < 2; ++kind) {
-        snprintf(text, sizeof text,
-                 "{ \"pith\": 1, " SAMPLE_SHAPE ", " SAMPLE_DEPTH ", " SAMPLE_DIRECTION ", \"solids\": [ %s ], "
-                 "\"cuts\": [ { \"plane\": { \"point\": [0, 0, 0.1], \"normal\": [0, 0, 1] }, \"keep\": \"negative\" } ] }",
-                 solids[kind]);
+    snprintf(grid_solid, sizeof grid_solid,
+             "{ \"name\": \"grey\", \"kind\": \"grid\", \"file\": \"%s\", \"clamp\": false }", grid_file);
+    static const char computed[] = "{ \"name\": \"stone\", \"kind\": \"procedural\", \"nodes\": [ { \"name\": "
+                                   "\"noise\", \"function\": \"fractal\" }, "
+                                   "{ \"name\": \"grey\", \"function\": \"curve\", \"of\": \"noise\", \"low\": -1, "
+                                   "\"from\": 0.2 } ], \"colour\": \"grey\" }";
+    const char *const solids[] = { SAMPLE_SOLID, grid_solid, computed };
+    static const char *const kinds[] = { "lapped", "grid", "procedural" };
+    for (int kind = 0; kind < 3; ++kind) {
+        snprintf(
+            text, sizeof text,
+            "{ \"pith\": 1, " SAMPLE_SHAPE ", " SAMPLE_DEPTH ", " SAMPLE_DIRECTION ", \"solids\": [ %s ], "
+            "\"cuts\": [ { \"plane\": { \"point\": [0, 0, 0.1], \"normal\": [0, 0, 1] }, \"keep\": \"negative\" } ] }",
+            solids[kind]);
         pith_document *document = NULL;
         pith_model *model = NULL;
         CHECK_OK(parse_text(text, &document, &err));
@@ -278,9 +325,11 @@ static void test_every_kind_of_solid_through_every_consumer(void **state)
         assert_string_equal(pith_solid_kind(solid), kinds[kind]);
         CHECK_OK(pith_model_items(model, &items, &count, &err));
         CHECK_OK(pith_model_camera(model, 4.0 / 3.0, &camera, &err));
-        check_sample(solid);
+        check_sample(solid, kind == 2);
         check_render(items, count, camera);
+        check_volume(model, camera);
         check_bakes(model, solid, items[0].shell);
+        check_atlas(items[0].shell, solid);
         pith_model_destroy(model);
         pith_document_destroy(document);
     }
