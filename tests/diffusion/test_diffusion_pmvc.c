@@ -167,23 +167,6 @@ static void test_constants_are_exact(void **state)
 
 /* ---- between balls ----------------------------------------------------------------------------------------------------- */
 
-/* The share of the inner ball's colour at distance r from the middle of balls with radii a < r < b: the integral over
-   the cosine t of the angle to the way outward. Midpoint rule on either side of the inner ball's outline. */
-static double share_between_balls(double r, double a, double b)
-{
-    enum { STEPS = 200000 };
-    const double edge = -sqrt(1.0 - a * a / (r * r)); /* rays with t below it meet the inner ball */
-    double inner = 0.0, outer = 0.0;
-    for (int i = 0; i < STEPS; ++i) {
-        /* Denser towards the outline, where the root is steep. */
-        const double s = (i + 0.5) / STEPS, u = edge - (edge + 1.0) * s * s;
-        inner += 2.0 * s * (edge + 1.0) / (-r * u - sqrt(a * a - r * r * (1.0 - u * u))) / STEPS;
-        const double w = edge + (1.0 - edge) * s;
-        outer += (1.0 - edge) / (-r * w + sqrt(b * b - r * r * (1.0 - w * w))) / STEPS;
-    }
-    return inner / (inner + outer);
-}
-
 static void test_between_balls_it_is_not_harmonic(void **state)
 {
     (void)state;
