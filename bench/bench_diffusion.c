@@ -155,7 +155,7 @@ static pith_status run_method(const object *of, uint32_t method, const questions
 {
     const bool by_rays = method == PITH_DIFFUSION_PMVC;
     const size_t checked = by_rays ? CHECKED_BY_RAYS : CHECKED_BY_WALKS;
-    const size_t count = by_rays ? with->count : with->count / 64;
+    const size_t count = by_rays ? with->count : with->count / 64; /* the first of them */
     static pith_vec3 points[CHECKED_BY_RAYS];
     static float expected[CHECKED_BY_RAYS][4];
     for (size_t i = 0; i < checked; ++i) points[i] = with->points[i * (with->count / checked)];

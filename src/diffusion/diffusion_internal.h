@@ -33,8 +33,15 @@ void sheets_free(sheets *all);
 
 /* ---- scene.c ----------------------------------------------------------------------------------------------------------- */
 
+/* A triangle in the scene, in double precision, and the plane it lies in: dot(normal, x) == offset. */
+typedef struct placed_triangle {
+    pith_vec3 corner[3], normal; /* unit, or zero without area */
+    double offset;
+} placed_triangle;
+
 struct pith_diffusion {
     sheets sheets;
+    placed_triangle *placed; /* [triangle_count] */
     RTCDevice device;
     RTCScene scene;
     pith_vec3 centre;

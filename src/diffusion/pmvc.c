@@ -4,7 +4,7 @@
 
    Eight points that lie near each other send rays in one direction together. Their ways through the tree are nearly the
    same, which the rays of one point, many degrees apart, are not: so points are put in order along a curve that fills
-   space, and directions are the same for all. */
+   space, and directions are the same for all. Points without neighbours send eight of their own rays together. */
 #include "diffusion_internal.h"
 
 #include <stdlib.h>
@@ -126,71 +126,99 @@ static void add_run(colour_sum *sum, const lane_sum *run)
     sum->weight += (double)run->weight;
 }
 
-/* Whether the points of a packet are so near to each other that their rays go one way. */
-static bool are_neighbours(const struct RTCRayHit8 *rays, int count)
+static void set_origin(struct RTCRayHit8 *rays, int lane, pith_vec3 p)
 {
-    float low[3], high[3];
-    for (int k = 0; k < 3; ++k) low[k] = INFINITY, high[k] = -INFINITY;
+    rays->ray.org_x[lane] = (float)p.x;
+    rays->ray.org_y[lane] = (float)p.y;
+    rays->ray.org_z[lane] = (float)p.z;
+    rays->ray.mask[lane] = UINT32_MAX;
+}
+
+static inline void set_direction(struct RTCRayHit8 *rays, int lane, const float unit[3])
+{
+    rays->ray.dir_x[lane] = unit[0];
+    rays->ray.dir_y[lane] = unit[1];
+    rays->ray.dir_z[lane] = unit[2];
+    rays->ray.tfar[lane] = INFINITY;
+    rays->hit.geomID[lane] = rays->hit.primID[lane] = RTC_INVALID_GEOMETRY_ID;
+}
+
+/* Points of the scene that lie near each other: all go in one direction at a time. */
+static void answer_together(const asker *with, const pith_vec3 *points, int count, colour_sum sums[PACKET])
+{
+    struct RTCRayHit8 rays = { 0 };
+    _Alignas(32) int valid[PACKET] = { 0 };
     for (int lane = 0; lane < count; ++lane) {
-        const float p[3] = { rays->ray.org_x[lane], rays->ray.org_y[lane], rays->ray.org_z[lane] };
-        for (int k = 0; k < 3; ++k) low[k] = fminf(low[k], p[k]), high[k] = fmaxf(high[k], p[k]);
-    }
-    return fmaxf(high[0] - low[0], fmaxf(high[1] - low[1], high[2] - low[2])) < 0.1f;
-}
-
-/* Points of the scene into lanes; those that cannot be answered stay out of `valid`. */
-static void load_points(const asker *with, const pith_vec3 *points, const uint32_t *order, int count,
-                        struct RTCRayHit8 *rays, int valid[PACKET])
-{
-    memset(rays, 0, sizeof *rays);
-    for (int lane = 0; lane < PACKET; ++lane) {
-        valid[lane] = 0;
-        if (lane >= count) continue;
-        const pith_vec3 p = diffusion_to_scene(with->diffusion, points[order[lane]]);
-        if (!diffusion_reaches(p)) continue;
         valid[lane] = -1;
-        rays->ray.org_x[lane] = (float)p.x;
-        rays->ray.org_y[lane] = (float)p.y;
-        rays->ray.org_z[lane] = (float)p.z;
+        set_origin(&rays, lane, points[lane]);
+    }
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    for (uint32_t first = 0; first < with->directions.count; first += RUN) {
+        const uint32_t left = with->directions.count - first, last = first + (left < RUN ? left : RUN);
+        lane_sum runs[PACKET] = { 0 };
+        for (uint32_t i = first; i < last; ++i) {
+            for (int lane = 0; lane < PACKET; ++lane) set_direction(&rays, lane, with->directions.unit[i]);
+            rtcIntersect8(valid, with->diffusion->scene, &context, &rays);
+            for (int lane = 0; lane < count; ++lane)
+                add_hit(&with->diffusion->sheets, &rays, lane, &sums[lane], &runs[lane]);
+        }
+        for (int lane = 0; lane < count; ++lane) add_run(&sums[lane], &runs[lane]);
     }
 }
 
-static void shoot(const asker *with, const float direction[3], const int valid[PACKET],
-                  struct RTCIntersectContext *context, struct RTCRayHit8 *rays)
+/* A point by itself: it goes in eight directions at a time. Sums run over directions in the same order as above, so that
+   the colour is the same, bit for bit. */
+static void answer_alone(const asker *with, pith_vec3 point, colour_sum *sum)
 {
-    for (int lane = 0; lane < PACKET; ++lane) {
-        rays->ray.dir_x[lane] = direction[0];
-        rays->ray.dir_y[lane] = direction[1];
-        rays->ray.dir_z[lane] = direction[2];
-        rays->ray.tfar[lane] = INFINITY;
-        rays->ray.mask[lane] = UINT32_MAX;
-        rays->hit.geomID[lane] = rays->hit.primID[lane] = RTC_INVALID_GEOMETRY_ID;
+    struct RTCRayHit8 rays = { 0 };
+    _Alignas(32) int valid[PACKET] = { 0 };
+    for (int lane = 0; lane < PACKET; ++lane) set_origin(&rays, lane, point);
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    for (uint32_t first = 0; first < with->directions.count; first += RUN) {
+        const uint32_t left = with->directions.count - first, last = first + (left < RUN ? left : RUN);
+        lane_sum run = { 0 };
+        for (uint32_t i = first; i < last; i += PACKET) {
+            const int count = last - i < PACKET ? (int)(last - i) : PACKET;
+            for (int lane = 0; lane < PACKET; ++lane) {
+                valid[lane] = lane < count ? -1 : 0;
+                set_direction(&rays, lane, with->directions.unit[lane < count ? i + (uint32_t)lane : i]);
+            }
+            rtcIntersect8(valid, with->diffusion->scene, &context, &rays);
+            for (int lane = 0; lane < count; ++lane) add_hit(&with->diffusion->sheets, &rays, lane, sum, &run);
+        }
+        add_run(sum, &run);
     }
-    rtcIntersect8(valid, with->diffusion->scene, context, rays);
+}
+
+/* Whether enough points lie so near to each other that their rays go one way. */
+static bool are_neighbours(const pith_vec3 *points, int count)
+{
+    const pith_box box = pith_box_of(points, (size_t)count);
+    const pith_vec3 size = pith_sub(box.high, box.low);
+    return count > PACKET / 2 && fmax(size.x, fmax(size.y, size.z)) < 0.2;
 }
 
 static void answer_packet(const asker *with, const pith_vec3 *points, const uint32_t *order, int count,
                           float (*colours)[4])
 {
-    struct RTCRayHit8 rays;
-    _Alignas(32) int valid[PACKET];
-    load_points(with, points, order, count, &rays, valid);
-    struct RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    if (are_neighbours(&rays, count)) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-
     colour_sum sums[PACKET] = { 0 };
-    for (uint32_t first = 0; first < with->directions.count; first += RUN) {
-        const uint32_t left = with->directions.count - first, last = first + (left < RUN ? left : RUN);
-        lane_sum runs[PACKET] = { 0 };
-        for (uint32_t i = first; i < last; ++i) {
-            shoot(with, with->directions.unit[i], valid, &context, &rays);
-            for (int lane = 0; lane < PACKET; ++lane)
-                add_hit(&with->diffusion->sheets, &rays, lane, &sums[lane], &runs[lane]);
-        }
-        for (int lane = 0; lane < PACKET; ++lane) add_run(&sums[lane], &runs[lane]);
+    pith_vec3 near[PACKET] = { { 0, 0, 0 } };
+    int lanes = 0, lane_of[PACKET];
+    for (int i = 0; i < count; ++i) {
+        const pith_vec3 p = diffusion_to_scene(with->diffusion, points[order[i]]);
+        lane_of[i] = diffusion_reaches(p) ? lanes : PACKET;
+        if (lane_of[i] == lanes) near[lanes++] = p;
     }
-    for (int lane = 0; lane < count; ++lane) colour_sum_give(&sums[lane], colours[order[lane]]);
+    if (are_neighbours(near, lanes))
+        answer_together(with, near, lanes, sums);
+    else
+        for (int lane = 0; lane < lanes; ++lane) answer_alone(with, near[lane], &sums[lane]);
+    static const colour_sum nothing = { 0 };
+    for (int i = 0; i < count; ++i)
+        colour_sum_give(lane_of[i] < PACKET ? &sums[lane_of[i]] : &nothing, colours[order[i]]);
 }
 
 void pmvc_answer(const asker *with, const pith_vec3 *points, const uint32_t *order, size_t count, float (*colours)[4])
