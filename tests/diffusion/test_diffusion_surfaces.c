@@ -384,6 +384,19 @@ static void test_colours_and_blur_that_are_refused(void **state)
     shape_free(&ball);
 }
 
+static void test_options_are_what_their_table_says(void **state)
+{
+    (void)state;
+    pith_diffusion_options options = pith_diffusion_options_default();
+    CHECK_OK(pith_params_check(&pith_diffusion_params, &options, &err));
+    assert_int_equal(options.method, PITH_DIFFUSION_PMVC);
+    assert_int_equal(options.rays, 256);
+    const pith_param *method = pith_params_find(&pith_diffusion_params, "method");
+    CHECK_OK(pith_param_set_word(method, &options, "wos", &err));
+    assert_int_equal(options.method, PITH_DIFFUSION_WOS);
+    CHECK_FAILS(pith_param_set_word(method, &options, "pnvc", &err), PITH_BAD_ARGUMENT, "pmvc");
+}
+
 /* Every allocation fails once. */
 static void test_memory_runs_out(void **state)
 {
@@ -428,6 +441,7 @@ int main(void)
         cmocka_unit_test(test_size_and_place_do_not_matter),
         cmocka_unit_test(test_meshes_that_are_refused),
         cmocka_unit_test(test_colours_and_blur_that_are_refused),
+        cmocka_unit_test(test_options_are_what_their_table_says),
         cmocka_unit_test(test_memory_runs_out),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
