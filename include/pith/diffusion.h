@@ -12,8 +12,8 @@
 
 /** Plain arrays, all borrowed for the call. The front is the side from which triangles run counter-clockwise.
  *
- *  Colours are linear RGBA: alpha is the opacity there, 0..1. The vertices of an open border are met by both sides and
- *  have one colour: the mean of the two, or the visible side's when the other is hidden.
+ *  Colours are linear RGBA, at most 1e6 in size: alpha is the opacity there, 0..1. The vertices of an open border are
+ *  met by both sides and have one colour: the mean of the two, or the visible side's when the other is hidden.
  *
  *  A vertex with a blur above 0 stands on two sheets, which lie that far from it along its normal, one to the front with
  *  the front's colour and one to the back with the back's; between them the two flow into each other. Sheets are joined
@@ -25,7 +25,7 @@ typedef struct pith_diffusion_surface {
     const float (*front)[4];   /* [vertex_count]; NULL: as the back */
     const float (*back)[4];    /* [vertex_count]; NULL: as the front */
     const double *blur;        /* [vertex_count] model units, 0 or more; NULL: none */
-    bool hide_front, hide_back; /* what lies on this side is hollow: it is seen as opacity 0 */
+    bool hide_front, hide_back; /* what lies on that side is hollow: the side is seen as opacity 0 */
 } pith_diffusion_surface;
 
 typedef struct pith_diffusion pith_diffusion; /* borrows nothing */

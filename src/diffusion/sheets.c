@@ -157,16 +157,20 @@ static void find_normals(piece *own)
 
 /* ---- colours --------------------------------------------------------------------------------------------------------- */
 
+/* Sums of colours stay far from the end of what floats hold. */
+#define MOST_COLOUR 1e6f
+
 static pith_status check_colours(const piece *own, const float (*colours)[4], const char *side, pith_error *err)
 {
     for (uint32_t v = 0; colours && v < own->view.vertex_count; ++v) {
         const float *c = colours[v];
-        if (!(isfinite(c[0]) && isfinite(c[1]) && isfinite(c[2]) && c[3] >= 0.0f && c[3] <= 1.0f))
+        if (!(fabsf(c[0]) <= MOST_COLOUR && fabsf(c[1]) <= MOST_COLOUR && fabsf(c[2]) <= MOST_COLOUR && c[3] >= 0.0f &&
+              c[3] <= 1.0f))
             return pith_fail(
                 err, PITH_BAD_ARGUMENT,
                 "diffusion surface %s: the %s of vertex %u has the colour (%g, %g, %g, %g); colours must be "
-                "finite, with an opacity of 0 to 1",
-                own->name, side, v, c[0], c[1], c[2], c[3]);
+                "finite and at most %g in size, with an opacity of 0 to 1",
+                own->name, side, v, c[0], c[1], c[2], c[3], (double)MOST_COLOUR);
     }
     return PITH_OK;
 }

@@ -248,6 +248,34 @@ static void test_points_on_surfaces_and_points_that_are_none(void **state)
     shape_free(&ball);
 }
 
+/* Triangles without area are met by no ray. */
+static void test_a_surface_without_extent_is_not_seen(void **state)
+{
+    (void)state;
+    static const pith_vec3 positions[4] = { { 1, 2, 3 }, { 1, 2, 3 }, { 1, 2, 3 }, { 1, 2, 4 } };
+    static const uint32_t triangles[2][3] = { { 0, 1, 2 }, { 1, 3, 2 } };
+    static const float white[4][4] = { { 1, 1, 1, 1 }, { 1, 1, 1, 1 }, { 1, 1, 1, 1 }, { 1, 1, 1, 1 } };
+    for (uint32_t count = 1; count < 3; ++count) { /* a point, a line */
+        const pith_diffusion_surface surface = { .mesh = { .positions = positions,
+                                                           .triangles = triangles,
+                                                           .vertex_count = 2 + count,
+                                                           .triangle_count = count },
+                                                 .front = white };
+        pith_diffusion *diffusion = make_diffusion(&surface, 1);
+        const pith_vec3 points[3] = { { 1, 2, 3 }, { 1, 2, 3.5 }, { 1.1, 2, 3.2 } };
+        float colours[3][4];
+        for (uint32_t method = 0; method < 2; ++method) {
+            ask(diffusion, method, 64, points, 3, colours);
+            for (int i = 0; i < 3; ++i) { /* a walk may arrive at a line, or leave it for good */
+                const float c = colours[i][0];
+                if (method == PITH_DIFFUSION_PMVC) assert_true(c == 0.0f || c == 1.0f);
+                check_colour(colours[i], c == 0.0f ? 0 : 1, c == 0.0f ? 0 : 1, c == 0.0f ? 0 : 1, c == 0.0f ? 0 : 1, 0);
+            }
+        }
+        pith_diffusion_destroy(diffusion);
+    }
+}
+
 /* The same picture at any size and place. */
 static void test_size_and_place_do_not_matter(void **state)
 {
@@ -352,6 +380,8 @@ static void test_colours_and_blur_that_are_refused(void **state)
     surface = shape_surface(&ball);
     ball.back[7][1] = NAN;
     refuse(&surface, PITH_BAD_ARGUMENT, "the back of vertex 7");
+    ball.back[7][1] = 1e30f;
+    refuse(&surface, PITH_BAD_ARGUMENT, "at most 1e+06 in size");
     ball.back[7][1] = 0;
     ball.front[3][3] = 1.5f;
     refuse(&surface, PITH_BAD_ARGUMENT, "an opacity of 0 to 1");
@@ -438,6 +468,7 @@ int main(void)
         cmocka_unit_test(test_blur_moves_two_sheets_apart),
         cmocka_unit_test(test_sheets_are_joined_along_borders_and_where_blur_ends),
         cmocka_unit_test(test_points_on_surfaces_and_points_that_are_none),
+        cmocka_unit_test(test_a_surface_without_extent_is_not_seen),
         cmocka_unit_test(test_size_and_place_do_not_matter),
         cmocka_unit_test(test_meshes_that_are_refused),
         cmocka_unit_test(test_colours_and_blur_that_are_refused),
