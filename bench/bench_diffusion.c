@@ -1,5 +1,6 @@
 /* pith bench diffusion: colours that flow between surfaces, by rays and by walks: points a second on all threads, in the
-   order of a picture and scattered, and how far the colours are from those of very many rays or walks. */
+   order of a picture and scattered, and how far the colours are from those of very many rays or walks; and how the time
+   of a picture grows with triangles and pixels. */
 #include "bench.h"
 
 #include "pith/diffusion.h"
@@ -7,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SIDE = 128, SURFACES = 64, CHECKED_BY_RAYS = 400, CHECKED_BY_WALKS = 32 };
+enum { SIDE = 128, LARGEST_SIDE = 512, SURFACES = 64, CHECKED_BY_RAYS = 400, CHECKED_BY_WALKS = 32 };
 
 /* ---- an object ----------------------------------------------------------------------------------------------------------- */
 
@@ -65,28 +66,29 @@ static pith_status add_fruit(object *to, pith_vec3 at, const pith_vec3 radii, do
 }
 
 /* One ball in another. */
-static pith_status make_balls(object *to, pith_error *err)
+static pith_status make_balls(object *to, uint32_t detail, pith_error *err)
 {
     static const float inner[2][3] = { { 0.7f, 0.1f, 0.1f }, { 0, 0, 0 } },
                        outer[2][3] = { { 0, 0, 0 }, { 0.1f, 0.5f, 0.2f } };
-    PITH_TRY(add_fruit(to, pith_v3(0, 0, 0), pith_v3(0.4, 0.4, 0.4), 0, 4, inner, err));
-    return add_fruit(to, pith_v3(0, 0, 0), pith_v3(1, 1, 1), 0, 4, outer, err);
+    PITH_TRY(add_fruit(to, pith_v3(0, 0, 0), pith_v3(0.4, 0.4, 0.4), 0, detail, inner, err));
+    return add_fruit(to, pith_v3(0, 0, 0), pith_v3(1, 1, 1), 0, detail, outer, err);
 }
 
-/* As many triangles as the thesis's tomato has: skin, wall, core, and 27 seeds. */
-static pith_status make_fruit(object *to, pith_error *err)
+/* Skin, wall, core, and 27 seeds: at detail 4 as many triangles as the thesis's tomato has, and four times as many from
+   one to the next. */
+static pith_status make_fruit(object *to, uint32_t detail, pith_error *err)
 {
     static const float skin[2][3] = { { 0.6f, 0.05f, 0.02f }, { 0.7f, 0.1f, 0.05f } };
     static const float wall[2][3] = { { 0.65f, 0.15f, 0.06f }, { 0.5f, 0.2f, 0.02f } };
     static const float core[2][3] = { { 0.6f, 0.25f, 0.1f }, { 0.8f, 0.7f, 0.5f } };
     static const float seed[2][3] = { { 0.55f, 0.5f, 0.1f }, { 0.75f, 0.65f, 0.35f } };
-    PITH_TRY(add_fruit(to, pith_v3(0, 0, 0), pith_v3(1, 1, 0.85), 0.05, 4, skin, err));
-    PITH_TRY(add_fruit(to, pith_v3(0, 0, 0), pith_v3(0.85, 0.85, 0.7), 0.05, 4, wall, err));
-    PITH_TRY(add_fruit(to, pith_v3(0, 0, 0), pith_v3(0.25, 0.25, 0.6), 0.1, 3, core, err));
+    PITH_TRY(add_fruit(to, pith_v3(0, 0, 0), pith_v3(1, 1, 0.85), 0.05, detail, skin, err));
+    PITH_TRY(add_fruit(to, pith_v3(0, 0, 0), pith_v3(0.85, 0.85, 0.7), 0.05, detail, wall, err));
+    PITH_TRY(add_fruit(to, pith_v3(0, 0, 0), pith_v3(0.25, 0.25, 0.6), 0.1, detail - 1, core, err));
     for (int i = 0; i < 27; ++i) {
         const double angle = 2.39996 * i, r = 0.5 + 0.06 * (i % 3);
         const pith_vec3 at = pith_v3(r * cos(angle), r * sin(angle), 0.3 * (i % 9 - 4) / 4.0);
-        PITH_TRY(add_fruit(to, at, pith_v3(0.07, 0.05, 0.04), 0, 2, seed, err));
+        PITH_TRY(add_fruit(to, at, pith_v3(0.07, 0.05, 0.04), 0, detail - 2, seed, err));
     }
     return PITH_OK;
 }
@@ -99,15 +101,15 @@ typedef struct questions {
     size_t count;
 } questions;
 
-static bool make_questions(questions *made)
+static bool make_questions(int side, questions *made)
 {
-    const size_t most = (size_t)SIDE * SIDE;
+    const size_t most = (size_t)side * (size_t)side;
     *made = (questions){ pith_alloc(most, sizeof *made->points), pith_alloc(most, sizeof *made->points),
                          pith_alloc(most, sizeof *made->colours), 0 };
     if (!made->points || !made->scattered || !made->colours) return false;
     pith_rng rng = pith_rng_make(7, 0);
-    for (int i = 0; i < SIDE * SIDE; ++i) {
-        const pith_vec3 p = pith_v3(2.0 * (i % SIDE + 0.5) / SIDE - 1.0, 2.0 * (i / SIDE + 0.5) / SIDE - 1.0, 0.03);
+    for (int i = 0; i < side * side; ++i) {
+        const pith_vec3 p = pith_v3(2.0 * (i % side + 0.5) / side - 1.0, 2.0 * (i / side + 0.5) / side - 1.0, 0.03);
         if (pith_length(p) > 0.95) continue;
         made->scattered[made->count] = pith_scale(pith_rng_direction(&rng), 0.95 * cbrt(pith_rng_unit(&rng)));
         made->points[made->count++] = p;
@@ -190,25 +192,63 @@ static pith_status run_method(const object *of, uint32_t method, const questions
     return PITH_OK;
 }
 
-pith_status bench_diffusion(const bench_options *options, json_t *cases, pith_error *err)
+typedef pith_status make_object(object *to, uint32_t detail, pith_error *err);
+
+static pith_status create(object *of, make_object *make, uint32_t detail, pith_error *err)
 {
-    static const struct {
-        const char *name;
-        pith_status (*make)(object *to, pith_error *err);
-    } objects[] = {
-        { "balls", make_balls },
-        { "fruit", make_fruit },
-    };
+    PITH_TRY(make(of, detail, err));
+    return pith_diffusion_create(of->surfaces, of->count, &of->diffusion, err);
+}
+
+static pith_status compare_methods(const char *name, make_object *make, int repeats, json_t *cases, pith_error *err)
+{
     questions with;
-    pith_status status = make_questions(&with) ? PITH_OK : PITH_OUT_OF_MEMORY(err, "points");
-    for (size_t i = 0; status == PITH_OK && i < sizeof objects / sizeof *objects; ++i) {
-        object of = { .name = objects[i].name };
-        status = objects[i].make(&of, err);
-        if (status == PITH_OK) status = pith_diffusion_create(of.surfaces, of.count, &of.diffusion, err);
-        for (uint32_t method = 0; status == PITH_OK && method < 2; ++method)
-            status = run_method(&of, method, &with, options->repeats, cases, err);
-        object_free(&of);
-    }
+    object of = { .name = name };
+    pith_status status = make_questions(SIDE, &with) ? PITH_OK : PITH_OUT_OF_MEMORY(err, "points");
+    if (status == PITH_OK) status = create(&of, make, 4, err);
+    for (uint32_t method = 0; status == PITH_OK && method < 2; ++method)
+        status = run_method(&of, method, &with, repeats, cases, err);
+    object_free(&of);
     free_questions(&with);
     return status;
+}
+
+/* A picture of so many pixels to a side, of the fruit in so fine triangles. */
+static pith_status run_size(uint32_t detail, int side, int repeats, json_t *cases, pith_error *err)
+{
+    questions with;
+    object of = { .name = "picture" };
+    pith_diffusion_options how = pith_diffusion_options_default();
+    how.rays = 128;
+    bench_times times = { .count = 0 };
+    pith_status status = make_questions(side, &with) ? PITH_OK : PITH_OUT_OF_MEMORY(err, "points");
+    const double begin = pith_seconds();
+    if (status == PITH_OK) status = create(&of, make_fruit, detail, err);
+    const double made = pith_seconds() - begin;
+    for (int i = 0; status == PITH_OK && i <= repeats; ++i) {
+        const double took = time_once(&of, &how, with.points, with.count, &with, &status, err);
+        if (i > 0) bench_add(&times, took);
+    }
+    if (status == PITH_OK) {
+        char name[100];
+        const uint32_t triangles = pith_diffusion_triangles(of.diffusion);
+        snprintf(name, sizeof name, "picture of %d, %u triangles", side, triangles);
+        json_array_append_new(cases, json_pack("{ss si si sf sf sf sf}", "name", name, "triangles", (int)triangles,
+                                               "rays_or_walks", (int)how.rays, "picture_points_per_s",
+                                               (double)with.count / bench_min(&times), "picture_million_rays_per_s",
+                                               1e-6 * how.rays * (double)with.count / bench_min(&times), "picture_s",
+                                               bench_min(&times), "create_s", made));
+    }
+    object_free(&of);
+    free_questions(&with);
+    return status;
+}
+
+pith_status bench_diffusion(const bench_options *options, json_t *cases, pith_error *err)
+{
+    PITH_TRY(compare_methods("balls", make_balls, options->repeats, cases, err));
+    PITH_TRY(compare_methods("fruit", make_fruit, options->repeats, cases, err));
+    for (uint32_t detail = 3; detail <= 7; ++detail) PITH_TRY(run_size(detail, SIDE, options->repeats, cases, err));
+    for (int side = 32; side <= LARGEST_SIDE; side *= 2) PITH_TRY(run_size(4, side, options->repeats, cases, err));
+    return PITH_OK;
 }
