@@ -253,6 +253,9 @@ void pith_tracer_nearest(const pith_tracer *tracer, const pith_vec3 *points, siz
 /** Inside a closed mesh? Parity by a vote of jittered rays: three, five more when they disagree. */
 void pith_tracer_inside(const pith_tracer *tracer, const pith_vec3 *points, size_t count, bool *inside);
 
+/** The point of a triangle nearest to p, and its barycentric coordinates; on an edge or a corner the others are 0. */
+pith_vec3 pith_nearest_on_triangle(const pith_vec3 corner[3], pith_vec3 p, double weights[3]);
+
 /** Generalized winding number at each point: about 1 inside, 0 outside, between on meshes with holes. Brute force with
  *  a hierarchical far-field approximation (Barill et al. 2018). Source: Jacobson, Kavan, Sorkine-Hornung 2013. */
 pith_status pith_mesh_winding(const pith_mesh_view *mesh, const pith_vec3 *points, size_t count, double *winding,

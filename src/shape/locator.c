@@ -266,7 +266,7 @@ static void try_face(const pith_locator *l, uint32_t face, pith_vec3 p, nearest_
     const uint32_t *v = l->faces[face];
     const pith_vec3 corner[3] = { l->tets->positions[v[0]], l->tets->positions[v[1]], l->tets->positions[v[2]] };
     double w[3];
-    const pith_vec3 d = pith_sub(mesh_nearest_on_triangle(corner, p, w), p);
+    const pith_vec3 d = pith_sub(pith_nearest_on_triangle(corner, p, w), p);
     const double squared = pith_dot(d, d);
     /* Faces are numbered in the order of their tetrahedra: of equals the lowest wins. */
     if (!(squared < best->squared || (squared == best->squared && face < best->face))) return;

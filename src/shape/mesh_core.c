@@ -99,7 +99,7 @@ static void set_weights(double weights[3], double a, double b, double c)
 
 /* By Voronoi regions: corners, then edges, then the inside (Ericson, "Real-Time Collision Detection", 2005, section
    5.1.5). */
-pith_vec3 mesh_nearest_on_triangle(const pith_vec3 corner[3], pith_vec3 p, double weights[3])
+pith_vec3 pith_nearest_on_triangle(const pith_vec3 corner[3], pith_vec3 p, double weights[3])
 {
     const pith_vec3 a = corner[0], b = corner[1], c = corner[2], ab = pith_sub(b, a), ac = pith_sub(c, a);
     const pith_vec3 ap = pith_sub(p, a), bp = pith_sub(p, b), cp = pith_sub(p, c);

@@ -23,8 +23,6 @@ pith_mesh *mesh_new(uint32_t vertices, uint32_t triangles, bool normals, bool co
 /* PITH_BAD_MESH for an index out of range or a position that is not finite or beyond the limit. */
 pith_status mesh_check(const pith_mesh_view *view, const char *what, pith_error *err);
 double mesh_triangle_area(const pith_mesh_view *view, uint32_t triangle);
-/* The point of a triangle nearest to p, and its barycentric coordinates; on an edge or a corner the others are 0. */
-pith_vec3 mesh_nearest_on_triangle(const pith_vec3 corner[3], pith_vec3 p, double weights[3]);
 
 /* ---- mesh_build.c: what readers fill ----------------------------------------------------------------------------- */
 

@@ -448,7 +448,7 @@ static bool try_triangle(nearest_query *query, uint32_t t)
     pith_vec3 corner[3];
     double weights[3];
     corners_of(query->tracer, t, &corner[0], &corner[1], &corner[2]);
-    const pith_vec3 on = mesh_nearest_on_triangle(corner, query->point, weights);
+    const pith_vec3 on = pith_nearest_on_triangle(corner, query->point, weights);
     const double distance = pith_distance(on, query->point);
     if (!(distance < query->best.distance || (distance == query->best.distance && t < query->best.triangle)))
         return false;

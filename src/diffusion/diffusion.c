@@ -1,0 +1,177 @@
+/* Asking for colours: options, the order of points, threads, and the solid. */
+#include "diffusion_internal.h"
+
+#include <omp.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "pith/solid_kind.h"
+
+/* ---- options ----------------------------------------------------------------------------------------------------------- */
+
+static const char *const methods[] = { "pmvc", "wos", NULL };
+
+#define AT(field) offsetof(pith_diffusion_options, field)
+
+static const pith_param items[] = {
+    { "method", "1", "how colours flow: pmvc is fast and smooth, wos is harmonic and slow", PITH_PARAM_CHOICE, 0, 0, 1,
+      AT(method), methods },
+    { "rays", "1", "pmvc: rays from each point; more are more exact", PITH_PARAM_UINT, 8, 256, 1 << 24, AT(rays),
+      NULL },
+    { "walks", "1", "wos: walks from each point; more are less noisy", PITH_PARAM_UINT, 1, 256, 1 << 24, AT(walks),
+      NULL },
+    { "shell", "radii", "wos: how near to a surface a walk ends; less is more exact", PITH_PARAM_DOUBLE, 1e-6, 1e-4,
+      0.1, AT(shell), NULL },
+    { "seed", "1", "turns the directions of rays, chooses the walks", PITH_PARAM_SEED, 0, 0, 9007199254740992.0,
+      AT(seed), NULL },
+};
+
+const pith_params pith_diffusion_params = { "diffusion", items, sizeof items / sizeof *items,
+                                            sizeof(pith_diffusion_options) };
+
+pith_diffusion_options pith_diffusion_options_default(void)
+{
+    pith_diffusion_options options;
+    pith_params_defaults(&pith_diffusion_params, &options);
+    return options;
+}
+
+/* ---- a method made ready -------------------------------------------------------------------------------------------------- */
+
+static pith_status asker_make(const pith_diffusion *diffusion, const pith_diffusion_options *options, asker *made,
+                              pith_error *err)
+{
+    PITH_TRY(pith_params_check(&pith_diffusion_params, options, err));
+    *made = (asker){ .diffusion = diffusion, .options = *options };
+    const uint32_t count = options->method == PITH_DIFFUSION_PMVC ? options->rays : options->walks;
+    return directions_make(count, options->seed, &made->directions, err);
+}
+
+static void answer(const asker *with, const pith_vec3 *points, const uint32_t *order, size_t count, float (*colours)[4])
+{
+    if (with->options.method == PITH_DIFFUSION_PMVC)
+        pmvc_answer(with, points, order, count, colours);
+    else
+        walks_answer(with, points, order, count, colours);
+}
+
+/* ---- order --------------------------------------------------------------------------------------------------------------- */
+
+typedef struct place {
+    uint32_t key, point;
+} place;
+
+/* Ten bits with two free places between each. */
+static uint32_t spread(uint32_t bits)
+{
+    bits = (bits | bits << 16) & 0x030000ffu;
+    bits = (bits | bits << 8) & 0x0300f00fu;
+    bits = (bits | bits << 4) & 0x030c30c3u;
+    return (bits | bits << 2) & 0x09249249u;
+}
+
+static uint32_t cell_of(double coordinate)
+{
+    return (uint32_t)fmin(fmax(512.0 * (coordinate + 1.0), 0.0), 1023.0); /* NaN becomes 0 */
+}
+
+static int by_key(const void *a, const void *b)
+{
+    const place *x = a, *y = b;
+    if (x->key != y->key) return x->key < y->key ? -1 : 1;
+    return x->point < y->point ? -1 : x->point > y->point;
+}
+
+/* Along a curve that fills space (Morton 1966), so that points near each other come one after the other. */
+static void order_points(const pith_diffusion *diffusion, const pith_vec3 *points, size_t count, place *places)
+{
+    for (size_t i = 0; i < count; ++i) {
+        const pith_vec3 p = diffusion_to_scene(diffusion, points[i]);
+        const uint32_t key = spread(cell_of(p.x)) | spread(cell_of(p.y)) << 1 | spread(cell_of(p.z)) << 2;
+        places[i] = (place){ key, (uint32_t)i };
+    }
+    qsort(places, count, sizeof *places, by_key);
+}
+
+/* ---- asking ------------------------------------------------------------------------------------------------------------------ */
+
+static pith_status answer_all(const asker *with, const pith_vec3 *points, size_t count, float (*colours)[4],
+                              pith_error *err)
+{
+    place *places = pith_alloc(count, sizeof *places);
+    uint32_t *order = pith_alloc(count, sizeof *order);
+    pith_status status = places && order ? PITH_OK : PITH_OUT_OF_MEMORY(err, "the order of points");
+    if (status == PITH_OK) {
+        order_points(with->diffusion, points, count, places);
+        for (size_t i = 0; i < count; ++i) order[i] = places[i].point;
+        const int threads = omp_in_parallel() ? 1 : pith_threads();
+        const size_t packets = (count + PACKET - 1) / PACKET;
+#pragma omp parallel for num_threads(threads) schedule(dynamic, 4) if (packets > 1)
+        for (size_t i = 0; i < packets; ++i) {
+            const size_t left = count - i * PACKET;
+            answer(with, points, order + i * PACKET, left < PACKET ? left : PACKET, colours);
+        }
+    }
+    pith_free(places);
+    pith_free(order);
+    return status;
+}
+
+pith_status pith_diffusion_colours(const pith_diffusion *diffusion, const pith_diffusion_options *options,
+                                   const pith_vec3 *points, size_t count, float (*colours)[4], pith_error *err)
+{
+    if (!diffusion || !options || (count > 0 && (!points || !colours)))
+        return pith_fail(err, PITH_BAD_ARGUMENT,
+                         "pith_diffusion_colours: diffusion, options, points and colours must not be NULL");
+    if (count >= PITH_NONE)
+        return pith_fail(err, PITH_BAD_ARGUMENT,
+                         "pith_diffusion_colours: %zu points are more than 32-bit indices can name", count);
+    asker with = { 0 };
+    PITH_TRY(asker_make(diffusion, options, &with, err));
+    const pith_status status = answer_all(&with, points, count, colours, err);
+    directions_free(&with.directions);
+    return status;
+}
+
+/* ---- solid --------------------------------------------------------------------------------------------------------------------- */
+
+typedef struct diffusion_solid {
+    pith_solid base;
+    asker with;
+} diffusion_solid;
+
+static void solid_sample(const pith_solid *solid, const pith_query *query, float *out)
+{
+    const diffusion_solid *self = (const diffusion_solid *)solid;
+    place places[SOLID_BLOCK];
+    uint32_t order[SOLID_BLOCK];
+    order_points(self->with.diffusion, query->points, query->count, places);
+    for (size_t i = 0; i < query->count; ++i) order[i] = places[i].point;
+    answer(&self->with, query->points, order, query->count, (float(*)[4])out);
+}
+
+static void solid_destroy(pith_solid *solid)
+{
+    diffusion_solid *self = (diffusion_solid *)solid;
+    directions_free(&self->with.directions);
+    pith_free(self);
+}
+
+static const pith_solid_class diffusion_class = { "diffusion", solid_sample, solid_destroy };
+
+pith_status pith_solid_diffusion(const pith_diffusion *diffusion, const pith_diffusion_options *options,
+                                 pith_solid **solid, pith_error *err)
+{
+    if (!diffusion || !options || !solid)
+        return pith_fail(err, PITH_BAD_ARGUMENT, "pith_solid_diffusion: diffusion, options and solid must not be NULL");
+    diffusion_solid *made = pith_alloc(1, sizeof *made);
+    if (!made) return PITH_OUT_OF_MEMORY(err, "a diffusion solid");
+    const pith_status status = asker_make(diffusion, options, &made->with, err);
+    if (status != PITH_OK) {
+        pith_free(made);
+        return status;
+    }
+    made->base = (pith_solid){ &diffusion_class, 4 };
+    *solid = &made->base;
+    return PITH_OK;
+}

@@ -1,0 +1,112 @@
+/* What the files of the room share: the sheets that rays meet, the scene they stand in, and the two ways to a colour. */
+#ifndef PITH_DIFFUSION_INTERNAL_H
+#define PITH_DIFFUSION_INTERNAL_H
+
+#include "pith/diffusion.h"
+
+#include <embree3/rtcore.h>
+
+/* ---- sheets.c: triangles with their colours ------------------------------------------------------------------------- */
+
+typedef float paint __attribute__((vector_size(16)));  /* red, green, blue, opacity */
+typedef double total __attribute__((vector_size(32))); /* the same, summed up */
+
+/* Colour of one side of a triangle: at corner a, and how it changes towards b and c. */
+typedef struct side_paint {
+    paint a, to_b, to_c;
+} side_paint;
+
+typedef struct sheets {
+    pith_vec3 *positions; /* [vertex_count] model units */
+    pith_vec3 *normals;   /* [vertex_count] angle-weighted, of the surface the vertex was on */
+    uint32_t (*triangles)[3];
+    side_paint (*sides)[2]; /* [triangle_count] front, back; hidden: opacity 0 */
+    pith_vec3 (
+        *edge_normals)[3]; /* [triangle_count] sum of the unit normals beside the edge from corner k to the next */
+    uint32_t vertex_count, triangle_count;
+    size_t vertex_room, normal_room, triangle_room, side_room, edge_room;
+} sheets;
+
+/* Checks a surface and adds its sheets. `number` stands for its name in messages when it has none. */
+pith_status sheets_add(sheets *all, const pith_diffusion_surface *surface, size_t number, pith_error *err);
+void sheets_free(sheets *all);
+
+/* ---- scene.c ----------------------------------------------------------------------------------------------------------- */
+
+/* A triangle in the scene, in double precision, and the plane it lies in: dot(normal, x) == offset. */
+typedef struct placed_triangle {
+    pith_vec3 corner[3], normal; /* unit, or zero without area */
+    double offset;
+} placed_triangle;
+
+struct pith_diffusion {
+    sheets sheets;
+    placed_triangle *placed; /* [triangle_count] */
+    RTCDevice device;
+    RTCScene scene;
+    pith_vec3 centre;
+    double scale; /* scene = (model - centre) * scale; the sheets lie in the unit ball */
+};
+
+/* Points farther from the middle than this, in radii, see nothing. */
+#define FARTHEST 2000.0
+
+static inline pith_vec3 diffusion_to_scene(const pith_diffusion *diffusion, pith_vec3 p)
+{
+    return pith_scale(pith_sub(p, diffusion->centre), diffusion->scale);
+}
+
+/* Finite and near enough to be answered; scene coordinates. */
+static inline bool diffusion_reaches(pith_vec3 p) { return pith_dot(p, p) <= FARTHEST * FARTHEST; }
+
+/* The nearest point of the sheets, scene units. */
+typedef struct nearest_sheet {
+    double distance;
+    uint32_t triangle;
+    double weights[3]; /* barycentric; on an edge or a corner the others are 0 */
+    pith_vec3 point;
+} nearest_sheet;
+
+/* Nearest point within `reach` of p, scene units; triangle PITH_NONE when there is none. Double precision; of triangles at
+   the same distance the lowest. */
+nearest_sheet scene_nearest(const pith_diffusion *diffusion, pith_vec3 p, double reach);
+
+/* ---- pmvc.c, walks.c: the ways to a colour -------------------------------------------------------------------------- */
+
+/* Sum of weighted colours as seen from one point. Everything is measured from the first colour seen, so that where all
+   are the same the mean is exactly that. */
+typedef struct colour_sum {
+    paint first; /* its opacity counts, too */
+    bool any;
+    total colours;          /* sum of weight * opacity * (colour - first); the last component is not used */
+    double opacity, weight; /* sums of weight * (opacity - first's), and of weight */
+} colour_sum;
+
+void colour_sum_give(const colour_sum *sum, float colour[4]);
+
+/* Directions over the sphere: a Fibonacci lattice, turned by the seed. */
+typedef struct directions {
+    float (*unit)[3]; /* [count] */
+    uint32_t count;
+} directions;
+
+pith_status directions_make(uint32_t count, uint64_t seed, directions *made, pith_error *err);
+void directions_free(directions *made);
+
+/* A method ready to answer. */
+typedef struct asker {
+    const pith_diffusion *diffusion;
+    pith_diffusion_options options;
+    directions directions;
+} asker;
+
+enum { PACKET = 8 };
+
+/* Answers points[order[0 .. count)] into colours at the same places. Allocates
+   nothing. */
+void pmvc_answer(const asker *with, const pith_vec3 *points, const uint32_t *order, size_t count, float (*colours)[4]);
+void walks_answer(const asker *with, const pith_vec3 *points, const uint32_t *order, size_t count, float (*colours)[4]);
+/* One point, ray by ray, in double precision: what pmvc_answer is tested against. */
+void pmvc_plain(const asker *with, pith_vec3 point, float colour[4]);
+
+#endif
