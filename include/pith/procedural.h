@@ -49,6 +49,10 @@ const pith_function *pith_function_find(const char *name);
 
 /* ---- graphs ------------------------------------------------------------------------------------------------------ */
 
+/** A graph has at most so many nodes; of what they give at most 128 values may be wanted at once, and a node has at most
+ *  1024 inputs. */
+enum { PITH_MOST_NODES = 4096 };
+
 /** A colour at a place of a line; linear RGBA. */
 typedef struct pith_stop {
     double at;

@@ -155,7 +155,8 @@ int verb_new(int argc, char **argv)
         .flag_count = sizeof flags / sizeof *flags,
         .summary =
             "Writes a new document: a copy of a template (kiwi, carrot, tree, watermelon, sponge, tube, muscle,\n"
-            "flattened, bricks, strata, cake), or an inside for a mesh of yours, for a slab or for a fruit:\n"
+            "flattened, bricks, strata, cake, wood, granite, marble, bubbles), or an inside for a mesh of yours,\n"
+            "for a slab or for a fruit:\n"
             "  0-A  sponge, the same everywhere        1-A  watermelon, by depth\n"
             "  0-B  muscle, along the core             1-B  kiwi, by depth and along the core\n"
             "  0-C  flattened fibres, along the core and flat in its layers\n"

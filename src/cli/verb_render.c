@@ -15,22 +15,22 @@ static pith_status write_picture(pith_image *image, const char *out, pith_error 
     return status;
 }
 
-static pith_status nothing_left(const cli_model *opened, pith_error *err)
+static pith_status nothing_left(const cli_line *line, pith_error *err)
 {
-    return pith_fail(err, PITH_BAD_ARGUMENT, "%s: the cuts leave nothing of the model to look at",
-                     pith_document_title(opened->document));
+    return pith_fail(err, PITH_BAD_ARGUMENT, "%s: the cuts leave nothing of the model to look at", line->word[0]);
 }
 
 /* A picture of nothing is not what anybody wants. */
-static pith_status check_view(const cli_model *opened, const pith_camera *camera, const pith_box *box, double aspect,
+static pith_status check_view(const cli_line *line, const pith_camera *camera, const pith_box *box, double aspect,
                               pith_error *err)
 {
-    if (!pith_finite(camera->eye) || pith_camera_sees(camera, box, aspect)) return PITH_OK;
+    const bool nowhere = !(pith_distance(camera->eye, camera->target) > 0.0); /* told by the renderer */
+    if (!pith_finite(camera->eye) || nowhere || pith_camera_sees(camera, box, aspect)) return PITH_OK;
     return pith_fail(err, PITH_BAD_ARGUMENT,
                      "%s: the camera at (%g, %g, %g) sees nothing: the model, from (%g, %g, %g) to (%g, %g, %g), lies "
                      "behind it or beside the picture; move the eye or the target, or give a direction alone",
-                     pith_document_title(opened->document), camera->eye.x, camera->eye.y, camera->eye.z, box->low.x,
-                     box->low.y, box->low.z, box->high.x, box->high.y, box->high.z);
+                     line->word[0], camera->eye.x, camera->eye.y, camera->eye.z, box->low.x, box->low.y, box->low.z,
+                     box->high.x, box->high.y, box->high.z);
 }
 
 static pith_status render_surface(const cli_model *opened, const cli_line *line, const render_flags *asked,
@@ -40,13 +40,13 @@ static pith_status render_surface(const cli_model *opened, const cli_line *line,
     const pith_render_item *items;
     size_t count;
     PITH_TRY(pith_model_scene(opened->model, &items, &count, err));
-    if (count == 0) return nothing_left(opened, err);
+    if (count == 0) return nothing_left(line, err);
     PITH_TRY(pith_model_view(opened->model, &(pith_camera){ 0 }, &options, err));
     cli_apply_params(line, &pith_render_params, &options);
     const pith_box box = pith_render_box(items, count);
     const double aspect = (double)options.width / options.height;
     const pith_camera camera = cli_place_camera(&asked->camera, opened->document, &box, aspect);
-    PITH_TRY(check_view(opened, &camera, &box, aspect, err));
+    PITH_TRY(check_view(line, &camera, &box, aspect, err));
     pith_image *image = NULL;
     PITH_TRY(pith_render(items, count, &camera, &options, cli_progress(), &image, err));
     return write_picture(image, asked->out, err);
@@ -60,7 +60,7 @@ static pith_status render_volume(const cli_model *opened, const cli_line *line, 
     const pith_transfer_point *transfer;
     size_t count, transfer_count;
     PITH_TRY(pith_model_volume_items(opened->model, &items, &count, err));
-    if (count == 0) return nothing_left(opened, err);
+    if (count == 0) return nothing_left(line, err);
     PITH_TRY(pith_model_volume_view(opened->model, &(pith_camera){ 0 }, &options, &transfer, &transfer_count, err));
     cli_apply_params(line, &pith_volume_params, &options);
     pith_box box = pith_box_empty();
@@ -71,7 +71,7 @@ static pith_status render_volume(const cli_model *opened, const cli_line *line, 
     }
     const double aspect = (double)options.width / options.height;
     const pith_camera camera = cli_place_camera(&asked->camera, opened->document, &box, aspect);
-    PITH_TRY(check_view(opened, &camera, &box, aspect, err));
+    PITH_TRY(check_view(line, &camera, &box, aspect, err));
     pith_image *image = NULL;
     PITH_TRY(
         pith_render_volume(items, count, &camera, &options, transfer, transfer_count, cli_progress(), &image, err));

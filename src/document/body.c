@@ -98,6 +98,21 @@ static pith_status check_refine(reader *in, const document_body *body)
     return reader_fail(in, "looks at the depth field; give the body \"depth\" with constraints");
 }
 
+/* A profile that cannot be turned. */
+static pith_status check_turned(reader *in, const document_body *body)
+{
+    if (body->shape != SHAPE_TURNED) return PITH_OK;
+    pith_quadric *quadrics = NULL;
+    size_t count;
+    pith_error why;
+    const pith_status status = turned_quadrics(body, &quadrics, &count, &why);
+    pith_free(quadrics);
+    if (status == PITH_OK || status == PITH_NO_MEMORY) return status == PITH_OK ? status : PITH_OUT_OF_MEMORY(in->err, "a profile");
+    reader_enter(in, "shape");
+    reader_enter(in, "turned");
+    return reader_fail(in, "%s", why.message);
+}
+
 static pith_status build_facing(reader *in, const json_t *from, double within, document_facing *to)
 {
     *to = (document_facing){ pith_unit(json_point(from)), within };
@@ -377,6 +392,7 @@ pith_status body_build(pith_document *made, reader *in, const json_t *from, docu
     to->place = arena_text(&made->memory, place);
     if (!to->place) return PITH_OUT_OF_MEMORY(in->err, "a place");
     PITH_TRY(build_shape(made, json_object_get(from, "shape"), to, in->err));
+    PITH_TRY(check_turned(in, to));
     PITH_TRY(build_depth(made, in, json_object_get(from, "depth"), to));
     PITH_TRY(check_refine(in, to));
     PITH_TRY(build_direction(made, json_object_get(from, "direction"), to, in->err));

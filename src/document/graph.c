@@ -46,26 +46,32 @@ static pith_status literal_node(graph_maker *own, const json_t *value, uint32_t 
     if (!colour)
         status = pith_param_set(pith_params_find(function->params, "value"), options, json_number_value(value), NULL);
     if (status != PITH_OK) return reader_fail(own->in, "is out of range, expected a number from -1e9 to 1e9");
+    char *written = json_dumps(value, JSON_ENCODE_ANY | JSON_REAL_PRECISION(6));
+    const char *name = written ? arena_text(&own->made->memory, written) : NULL;
+    free(written);
+    if (!name) return no_memory(own);
     *node = (uint32_t)own->to->count;
-    own->to->nodes[own->to->count++] = (pith_node){ .name = "a value", .function = function, .options = options };
+    own->to->nodes[own->to->count++] = (pith_node){ .name = name, .function = function, .options = options };
     return PITH_OK;
 }
 
 static pith_status find_node(const graph_maker *own, const char *name, uint32_t *node)
 {
-    const char *names[100] = { NULL };
     const size_t count = json_array_size(own->list);
-    for (size_t i = 0; i < count; ++i) {
-        const char *other = json_string_value(json_object_get(json_array_get(own->list, i), "name"));
-        if (strcmp(other, name) == 0) {
+    for (size_t i = 0; i < count; ++i)
+        if (strcmp(json_string_value(json_object_get(json_array_get(own->list, i), "name")), name) == 0) {
             *node = (uint32_t)i;
             return PITH_OK;
         }
-        if (i < 99) names[i] = other;
-    }
+    const char **names = pith_alloc(count + 1, sizeof *names); /* ends with NULL */
+    if (!names) return no_memory(own);
+    for (size_t i = 0; i < count; ++i)
+        names[i] = json_string_value(json_object_get(json_array_get(own->list, i), "name"));
     const char *near = pith_nearest_word(name, names);
-    return reader_fail(own->in, "no node is called \"%.60s\"%s%s%s", name, near ? "; did you mean \"" : "",
-                       near ? near : "", near ? "\"?" : "");
+    const pith_status status = reader_fail(own->in, "no node is called \"%.60s\"%s%s%s", name,
+                                           near ? "; did you mean \"" : "", near ? near : "", near ? "\"?" : "");
+    pith_free(names);
+    return status;
 }
 
 static pith_status input_node(graph_maker *own, const json_t *value, uint32_t *node)
@@ -136,12 +142,26 @@ static pith_status build_waves(graph_maker *own, const json_t *list, pith_node *
     return PITH_OK;
 }
 
+/* A list that is there has something in it. */
+static pith_status check_filled(const graph_maker *own, const json_t *from, const char *key)
+{
+    const json_t *list = json_object_get(from, key);
+    if (!list || json_array_size(list) > 0) return PITH_OK;
+    reader_enter(own->in, key);
+    return reader_fail(own->in, "is empty, expected one or more");
+}
+
 static pith_status build_node(graph_maker *own, const json_t *from, size_t index)
 {
     pith_node *to = &own->to->nodes[index];
     pith_error *err = own->in->err;
     const pith_params *params;
     PITH_TRY(document_text(own->made, json_object_get(from, "name"), &to->name, err));
+    if (to->name[0] == '#') {
+        reader_enter(own->in, "name");
+        return reader_fail(
+            own->in, "is \"%.60s\", which reads as a colour where others name it; let it begin otherwise", to->name);
+    }
     for (size_t i = 0; i < index; ++i)
         if (strcmp(own->to->nodes[i].name, to->name) == 0) {
             reader_enter(own->in, "name");
@@ -158,6 +178,8 @@ static pith_status build_node(graph_maker *own, const json_t *from, size_t index
     }
     PITH_TRY(document_path(own->made, from, "image", &own->to->images[index], err));
     PITH_TRY(document_path(own->made, from, "grid", &own->to->grids[index], err));
+    PITH_TRY(check_filled(own, from, "stops"));
+    PITH_TRY(check_filled(own, from, "waves"));
     PITH_TRY(build_stops(own, json_object_get(from, "stops"), to));
     PITH_TRY(build_waves(own, json_object_get(from, "waves"), to));
     const json_t *matrix = json_object_get(from, "matrix");
@@ -211,6 +233,10 @@ pith_status graph_build(pith_document *made, reader *in, const json_t *from, con
                         document_graph *to)
 {
     const json_t *list = json_object_get(from, "nodes");
+    if (json_array_size(list) > PITH_MOST_NODES) {
+        reader_enter(in, "nodes");
+        return reader_fail(in, "there are %zu, at most %d are allowed", json_array_size(list), PITH_MOST_NODES);
+    }
     graph_maker own = { .made = made, .in = in, .list = list, .to = to, .room = count_room(from, list) };
     to->nodes = arena_alloc(&made->memory, own.room, sizeof *to->nodes);
     to->images = arena_alloc(&made->memory, own.room, sizeof *to->images);

@@ -45,10 +45,16 @@ static pith_status build_solids(pith_model *model, pith_error *err)
 }
 
 /* What was turned and is whole is seen without facets. Lapped solids are asked by tets, which only the shell knows. */
+static bool is_exact(pith_model *model, const pith_model *body)
+{
+    const document_body *from = body->body;
+    return from->shape == SHAPE_TURNED && !from->displaced && model_cuts(model)->count == 0 && from->solid_count > 0 &&
+           from->solids[from->solid].kind != SOLID_LAPPED;
+}
+
 static pith_status show_exactly(pith_model *model, pith_model *body, pith_render_item *item, pith_error *err)
 {
-    if (body->body->shape != SHAPE_TURNED || body->body->displaced || model_cuts(model)->count > 0) return PITH_OK;
-    if (body->body->solids[body->body->solid].kind == SOLID_LAPPED) return PITH_OK;
+    if (!is_exact(model, body)) return PITH_OK;
     if (!body->quadrics) PITH_TRY(turned_quadrics(body->body, &body->quadrics, &body->quadric_count, err));
     item->shell = NULL;
     item->quadrics = body->quadrics;
@@ -79,9 +85,39 @@ static pith_status build_items(pith_model *model, pith_error *err)
         model->scene[model->item_count - 1] = *item;
         status = show_exactly(model, body, &model->scene[model->item_count - 1], err);
     }
+    model->scene_count = model->item_count;
     if (status == PITH_OK) model->items = items;
     else pith_free(items);
     return status;
+}
+
+/* A scene of nothing but exact bodies needs no tets and no shells. */
+static bool all_exact(pith_model *model)
+{
+    bool all = model->document->part_count == 0;
+    for (size_t i = 0; all && i < pith_model_bodies(model); ++i) all = is_exact(model, model_body(model, i));
+    return all;
+}
+
+static pith_status build_exact_scene(pith_model *model, pith_error *err)
+{
+    const size_t count = pith_model_bodies(model);
+    pith_render_item *scene = pith_alloc(count, sizeof *scene);
+    if (!scene) return PITH_OUT_OF_MEMORY(err, "a scene");
+    pith_status status = PITH_OK;
+    for (size_t i = 0; status == PITH_OK && i < count; ++i) {
+        pith_model *body = model_body(model, i);
+        status = pith_model_solid(body, NULL, err);
+        scene[i] = (pith_render_item){ .solid = body->solid, .reflectivity = body->body->finish.reflectivity };
+        if (status == PITH_OK) status = show_exactly(model, body, &scene[i], err);
+    }
+    if (status != PITH_OK) {
+        pith_free(scene);
+        return status;
+    }
+    model->scene = scene;
+    model->scene_count = count;
+    return PITH_OK;
 }
 
 pith_status pith_model_items(pith_model *model, const pith_render_item **items, size_t *count, pith_error *err)
@@ -95,8 +131,10 @@ pith_status pith_model_items(pith_model *model, const pith_render_item **items, 
 
 pith_status pith_model_scene(pith_model *model, const pith_render_item **items, size_t *count, pith_error *err)
 {
-    PITH_TRY(pith_model_items(model, items, count, err));
+    if (!model->scene && all_exact(model)) PITH_TRY(build_exact_scene(model, err));
+    if (!model->scene) PITH_TRY(pith_model_items(model, items, count, err));
     *items = model->scene;
+    *count = model->scene_count;
     return PITH_OK;
 }
 
@@ -167,7 +205,7 @@ pith_status pith_model_camera(pith_model *model, double aspect, pith_camera *cam
     if (!model->document->camera.placed) {
         const pith_render_item *items;
         size_t count;
-        PITH_TRY(pith_model_items(model, &items, &count, err));
+        PITH_TRY(pith_model_scene(model, &items, &count, err));
         box = pith_render_box(items, count);
     }
     return camera_for(model, &box, aspect, camera, err);

@@ -134,7 +134,8 @@ struct pith_model {
     holding *moved;             /* moved_shells */
     pith_model_piece *pieces[2];    /* [shells' count]: as cut, displaced */
     pith_render_item *items;    /* [item_count] */
-    pith_render_item *scene;    /* the same as pictures show them: exact where that can be */
+    pith_render_item *scene;    /* [scene_count] the same as pictures show them: exact where that can be */
+    size_t scene_count;
     size_t item_count;
     holding *volume_level;      /* cut_level: the parts of volume_items */
     pith_volume_item *volume_items; /* [volume_count] */

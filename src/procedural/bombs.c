@@ -308,11 +308,16 @@ static pith_status check_bombs(const bombs_options *o, bool tables, pith_error *
     return PITH_OK;
 }
 
+static pith_status bombs_check(const node_build *build, pith_error *err)
+{
+    return check_bombs(build->options, build->node->grid != NULL, err);
+}
+
 static pith_status bombs_prepare(const node_build *build, void **state, pith_error *err)
 {
     const bombs_options *o = build->options;
     const pith_grid *grid = build->node->grid;
-    PITH_TRY(check_bombs(o, grid != NULL, err));
+    PITH_TRY(bombs_check(build, err));
     bombs *all = pith_alloc(1, sizeof *all);
     if (!all) return PITH_OUT_OF_MEMORY(err, "bombs");
     all->what = (bombs_what)o->what;
@@ -365,6 +370,7 @@ static void bombs_run(const void *state, const lanes *const *inputs, uint32_t in
 const node_class node_bombs = {
     .shown = { "bombs", "Bubbles, or shapes from a small table, dropped at random into a cube that repeats.",
                PITH_VALUE_NUMBER, pattern_inputs, &bombs_params, PITH_ASSET_GRID | PITH_ASSET_OPTIONAL },
+    .check = bombs_check,
     .prepare = bombs_prepare,
     .run = bombs_run,
     .release = bombs_release,

@@ -235,9 +235,9 @@ static pith_status check_roots(const pith_procedural *from, pith_error *err)
 {
     if (!from || !from->nodes || from->count == 0)
         return pith_fail(err, PITH_BAD_ARGUMENT, "there are no nodes, expected one or more");
-    if (from->count > MOST_NODES)
+    if (from->count > PITH_MOST_NODES)
         return pith_fail(err, PITH_BAD_ARGUMENT, "there are %zu nodes, at most %d are allowed", from->count,
-                         MOST_NODES);
+                         PITH_MOST_NODES);
     if (from->colour >= from->count || (from->opacity >= from->count && from->opacity != PITH_NONE) ||
         (from->displacement >= from->count && from->displacement != PITH_NONE))
         return pith_fail(err, PITH_BAD_ARGUMENT, "colour, opacity or displacement names no node");

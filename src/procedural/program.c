@@ -1,4 +1,5 @@
 /* Programs at work: blocks of points through the steps. */
+#include <float.h>
 #include <string.h>
 
 #include "program.h"
@@ -84,6 +85,9 @@ static void run_steps(const program *own, const pith_query *query, size_t count,
     }
 }
 
+/* Products may leave the range of numbers; nobody who asks should have to look for that. */
+static float finite_number(float x) { return isnan(x) ? 0.0f : fminf(fmaxf(x, -FLT_MAX), FLT_MAX); }
+
 /* A point that is not finite is outside of everything. */
 static void give(const program *own, const pith_query *query, size_t count, const lanes *registers, float *out)
 {
@@ -97,6 +101,7 @@ static void give(const program *own, const pith_query *query, size_t count, cons
         if (opacity) out[3] *= opacity->v[0][i];
         out[3] = fminf(fmaxf(out[3], 0.0f), 1.0f);
         if (displacement) out[4] = displacement->v[0][i];
+        for (uint32_t c = 0; c < own->base.channels; ++c) out[c] = finite_number(out[c]);
     }
 }
 

@@ -6,7 +6,7 @@
 #include "pith/solid_kind.h"
 
 /* Registers live on the stack of the thread that asks, 2 kB each. */
-enum { MOST_REGISTERS = 128, MOST_NODES = 4096, MOST_LINKS = 1024 };
+enum { MOST_REGISTERS = 128, MOST_LINKS = 1024 };
 
 typedef enum step_kind { STEP_RUN, STEP_COLOURS, STEP_GREY, STEP_ASK } step_kind;
 

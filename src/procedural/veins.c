@@ -154,8 +154,9 @@ static void veins_release(void *state)
     pith_free(v);
 }
 
-static pith_status check_veins(const veins_options *o, pith_error *err)
+static pith_status veins_check(const node_build *build, pith_error *err)
 {
+    const veins_options *o = build->options;
     if (o->resolution & (o->resolution - 1))
         return pith_fail(err, PITH_BAD_ARGUMENT, "resolution is %u, expected a power of two such as 64, 128 or 256",
                          (unsigned)o->resolution);
@@ -177,7 +178,7 @@ static pith_status check_veins(const veins_options *o, pith_error *err)
 static pith_status veins_prepare(const node_build *build, void **state, pith_error *err)
 {
     const veins_options *o = build->options;
-    PITH_TRY(check_veins(o, err));
+    PITH_TRY(veins_check(build, err));
     veins *v = pith_alloc(1, sizeof *v);
     if (!v) return PITH_OUT_OF_MEMORY(err, "veins");
     v->size = o->resolution;
@@ -271,6 +272,7 @@ static void veins_run(const void *state, const lanes *const *inputs, uint32_t in
 const node_class node_veins = {
     .shown = { "veins", "Veins of marble that wander through a cube, which repeats: 1 in a vein, 0 beside it.",
                PITH_VALUE_NUMBER, pattern_inputs, &veins_params, 0 },
+    .check = veins_check,
     .prepare = veins_prepare,
     .run = veins_run,
     .release = veins_release,

@@ -100,18 +100,26 @@ static pith_status check_given(const pith_wave *given, size_t count, pith_error 
     return PITH_OK;
 }
 
+static pith_status waves_check(const node_build *build, pith_error *err)
+{
+    const waves_options *o = build->options;
+    const pith_node *node = build->node;
+    if (node->waves && node->wave_count > 0) return check_given(node->waves, node->wave_count, err);
+    if (o->lowest > o->highest)
+        return pith_fail(err, PITH_BAD_ARGUMENT, "lowest is %g, above highest, which is %g", o->lowest, o->highest);
+    if (o->period > 0.0 && o->highest * o->period < 1.0)
+        return pith_fail(err, PITH_BAD_ARGUMENT,
+                         "highest is %g: no such wave fits into a period of %g; raise one of them", o->highest,
+                         o->period);
+    return PITH_OK;
+}
+
 static pith_status waves_prepare(const node_build *build, void **state, pith_error *err)
 {
     const waves_options *o = build->options;
     const pith_node *node = build->node;
+    PITH_TRY(waves_check(build, err));
     const bool given = node->waves && node->wave_count > 0;
-    if (given) PITH_TRY(check_given(node->waves, node->wave_count, err));
-    if (!given && o->lowest > o->highest)
-        return pith_fail(err, PITH_BAD_ARGUMENT, "lowest is %g, above highest, which is %g", o->lowest, o->highest);
-    if (!given && o->period > 0.0 && o->highest * o->period < 1.0)
-        return pith_fail(err, PITH_BAD_ARGUMENT,
-                         "highest is %g: no such wave fits into a period of %g; raise one of them", o->highest,
-                         o->period);
     const uint32_t count = given ? (uint32_t)node->wave_count : o->count;
     waves *made = pith_alloc(1, sizeof *made + count * sizeof *made->wave);
     if (!made) return PITH_OUT_OF_MEMORY(err, "waves");
@@ -209,6 +217,7 @@ static void waves_run(const void *state, const lanes *const *inputs, uint32_t in
 const node_class node_waves = {
     .shown = { "waves", "A sum of sinusoids: those given, or random ones; about 0.", PITH_VALUE_NUMBER, pattern_inputs,
                &waves_params, PITH_ASSET_WAVES | PITH_ASSET_OPTIONAL },
+    .check = waves_check,
     .prepare = waves_prepare,
     .run = waves_run,
 };

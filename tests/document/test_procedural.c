@@ -1,10 +1,10 @@
 /* Procedural solids in documents: what they give, what is refused and where, and what an edit builds anew. */
 #include "opened.h"
 
-#define GRAPH(nodes, outputs) \
+#define GRAPH(nodes, outputs)                                                                                          \
     "\"solids\": [ { \"name\": \"stuff\", \"kind\": \"procedural\", \"nodes\": [ " nodes " ], " outputs " } ]"
 #define WITH(nodes, outputs) "{ \"pith\": 1, " SAMPLE_SHAPE ", " GRAPH(nodes, outputs) " }"
-#define X "{ \"name\": \"x\", \"function\": \"component\", \"what\": \"x\" }"
+#define X                    "{ \"name\": \"x\", \"function\": \"component\", \"what\": \"x\" }"
 
 static void sample(pith_model *model, pith_vec3 point, float out[5])
 {
@@ -19,12 +19,13 @@ static void test_values_arrive(void **state)
 {
     (void)state;
     /* In any order; numbers and colours stand where nodes may. */
-    opened m = open_text(WITH("{ \"name\": \"all\", \"function\": \"mix\", \"a\": \"sum\", \"b\": \"#ff0000\", \"by\": 0.25 }, "
-                              "{ \"name\": \"sum\", \"function\": \"combine\", \"of\": [ \"x\", 0.5, \"moved\" ] }, "
-                              "{ \"name\": \"moved\", \"function\": \"component\", \"what\": \"y\", \"of\": \"there\" }, "
-                              "{ \"name\": \"there\", \"function\": \"transform\", \"matrix\": [ [1, 0, 0, 0],"
-                              " [0, 2, 0, 0.125], [0, 0, 1, 0], [0, 0, 0, 1] ] }, " X,
-                              "\"colour\": \"all\", \"opacity\": \"x\", \"displacement\": \"moved\""));
+    opened m = open_text(
+        WITH("{ \"name\": \"all\", \"function\": \"mix\", \"a\": \"sum\", \"b\": \"#ff0000\", \"by\": 0.25 }, "
+             "{ \"name\": \"sum\", \"function\": \"combine\", \"of\": [ \"x\", 0.5, \"moved\" ] }, "
+             "{ \"name\": \"moved\", \"function\": \"component\", \"what\": \"y\", \"of\": \"there\" }, "
+             "{ \"name\": \"there\", \"function\": \"transform\", \"matrix\": [ [1, 0, 0, 0],"
+             " [0, 2, 0, 0.125], [0, 0, 1, 0], [0, 0, 0, 1] ] }, " X,
+             "\"colour\": \"all\", \"opacity\": \"x\", \"displacement\": \"moved\""));
     float out[5];
     sample(m.model, pith_v3(0.25, 0.5, 7), out);
     const double sum = 0.25 + 0.5 + 1.125;
@@ -53,10 +54,11 @@ static void test_colour_maps_are_read(void **state)
 static void test_a_node_follows_the_direction_field(void **state)
 {
     (void)state;
-    static const char text[] = "{ \"pith\": 1, " SAMPLE_SHAPE ", " SAMPLE_DEPTH ", " SAMPLE_DIRECTION ", " GRAPH(
-        "{ \"name\": \"way\", \"function\": \"direction\" }, "
-        "{ \"name\": \"z\", \"function\": \"component\", \"what\": \"z\", \"of\": \"way\" }",
-        "\"colour\": \"z\"") " }";
+    static const char text[] =
+        "{ \"pith\": 1, " SAMPLE_SHAPE ", " SAMPLE_DEPTH ", " SAMPLE_DIRECTION
+        ", " GRAPH("{ \"name\": \"way\", \"function\": \"direction\" }, "
+                   "{ \"name\": \"z\", \"function\": \"component\", \"what\": \"z\", \"of\": \"way\" }",
+                   "\"colour\": \"z\"") " }";
     opened m = open_text(text);
     float out[5];
     sample(m.model, pith_v3(0.7, 0, 0), out); /* found by its place */
@@ -99,7 +101,9 @@ static void test_an_edit_builds_the_solid_alone(void **state)
 static void test_refusals_name_the_place(void **state)
 {
     (void)state;
-    static const struct { const char *nodes, *outputs, *words; } wrong[] = {
+    static const struct {
+        const char *nodes, *outputs, *words;
+    } wrong[] = {
         { X, "\"colour\": \"y\"", "solids[0].colour: no node is called \"y\"; did you mean \"x\"?" },
         { X, "\"color\": \"x\"", "solids[0]: unknown key \"color\"; did you mean \"colour\"?" },
         { X, "\"colour\": true", "solids[0].colour: is true, expected the name of a node, a number or a colour" },
@@ -113,7 +117,8 @@ static void test_refusals_name_the_place(void **state)
           "solids[0].nodes[0]: unknown key \"move_w\"; did you mean \"move_" },
         { "{ \"name\": \"n\", \"function\": \"place\", \"scale_x\": 0 }", "\"colour\": \"n\"",
           "solids[0].nodes[0].scale_x: is 0, expected 1e-06 to" },
-        { "{ \"name\": \"n\", \"function\": \"combine\" }", "\"colour\": \"n\"", "solids[0].nodes[0]: \"of\" is missing" },
+        { "{ \"name\": \"n\", \"function\": \"combine\" }", "\"colour\": \"n\"",
+          "solids[0].nodes[0]: \"of\" is missing" },
         { "{ \"name\": \"n\", \"function\": \"combine\", \"of\": [] }", "\"colour\": \"n\"",
           "solids[0].nodes[0].of: is empty" },
         { X ", { \"name\": \"n\", \"function\": \"mix\", \"a\": [ \"x\" ], \"b\": 1 }", "\"colour\": \"n\"",
@@ -136,7 +141,18 @@ static void test_refusals_name_the_place(void **state)
           "\"colour\": \"m\"", "solids[0].nodes: the node \"m\": stops[1].at: is 0, below" },
         { "{ \"name\": \"p\", \"function\": \"project\", \"image\": \"none.png\" }", "\"colour\": \"p\"",
           "solids[0].nodes[0].image: there is no file" },
-        { "{ \"name\": \"p\", \"function\": \"table\" }", "\"colour\": \"p\"", "solids[0].nodes[0]: \"grid\" is missing" },
+        { "{ \"name\": \"#ffffff\", \"function\": \"noise\" }", "\"colour\": 1",
+          "solids[0].nodes[0].name: is \"#ffffff\", which reads as a colour" },
+        { "{ \"name\": \"w\", \"function\": \"waves\", \"waves\": [] }", "\"colour\": \"w\"",
+          "solids[0].nodes[0].waves: is empty, expected one or more" },
+        { "{ \"name\": \"m\", \"function\": \"map\", \"by\": 1, \"stops\": [] }", "\"colour\": \"m\"",
+          "solids[0].nodes[0].stops: is empty" },
+        { "{ \"name\": \"b\", \"function\": \"bombs\", \"highest\": 0.6 }", "\"colour\": \"b\"",
+          "solids[0].nodes: the node \"b\": highest is 0.6: above 0.5 a bomb would overlap" },
+        { X, "\"colour\": \"x\", \"opacity\": \"#808080\"",
+          "solids[0].nodes: the node \"\"#808080\"\": gives a colour, but is taken as the solid's opacity" },
+        { "{ \"name\": \"p\", \"function\": \"table\" }", "\"colour\": \"p\"",
+          "solids[0].nodes[0]: \"grid\" is missing" },
     };
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
         char text[2000];
@@ -150,13 +166,53 @@ static void test_refusals_name_the_place(void **state)
     }
 }
 
+/* Products that leave the range of numbers: what is asked stays a number. */
+static void test_answers_are_numbers(void **state)
+{
+    (void)state;
+    opened m = open_text(
+        WITH("{ \"name\": \"huge\", \"function\": \"combine\", \"how\": \"multiply\","
+             " \"of\": [1e9, 1e9, 1e9, 1e9, 1e9] },"
+             " { \"name\": \"none\", \"function\": \"combine\", \"how\": \"subtract\", \"of\": [\"huge\", \"huge\"] }",
+             "\"colour\": \"none\", \"displacement\": \"huge\""));
+    float out[5];
+    sample(m.model, pith_v3(0.5, 0, 0), out);
+    for (int c = 0; c < 5; ++c) assert_true(isfinite(out[c]));
+    close_model(&m);
+}
+
+/* A scene of turned bodies is seen without tetrahedra; a profile that cannot be turned is no document. */
+static void test_turned_bodies(void **state)
+{
+    (void)state;
+#define TURNED(points)                                                                                                 \
+    "{ \"pith\": 1, \"shape\": { \"turned\": { \"profile\": [ " points " ] } }, " GRAPH(X, "\"colour\": \"x\"") " }"
+    opened m = open_text(TURNED("{ \"z\": 0, \"r\": 1 }, { \"z\": 1, \"r\": 1 }"));
+    const pith_render_item *items;
+    size_t count;
+    CHECK_OK(pith_model_scene(m.model, &items, &count, &err));
+    assert_int_equal(count, 1);
+    assert_int_equal(items[0].quadric_count, 3);
+    assert_null(items[0].shell);
+    assert_false(pith_model_built(m.model).tets);
+    CHECK_OK(pith_model_items(m.model, &items, &count, &err));
+    assert_non_null(items[0].shell);
+    close_model(&m);
+    pith_document *document = NULL;
+    assert_int_equal(parse_text(TURNED("{ \"z\": 1, \"r\": 1 }, { \"z\": 0, \"r\": 1 }"), &document, &err),
+                     PITH_BAD_DOCUMENT);
+    if (!strstr(err.message, "kiwi.pith: shape.turned: point 1 of the profile")) fail_msg("%s", err.message);
+}
+
 /* Files that are there and are no pictures: refused when the solid is built, with the place. */
 static void test_damaged_assets(void **state)
 {
     (void)state;
     CHECK_OK(pith_file_write(in_folder("torn.png"), "\x89PNG\r\n\x1a\n\0\0\0", 11, &err));
     CHECK_OK(pith_file_write(in_folder("torn.nrrd"), "NRRD0004\ntype: float\n", 21, &err));
-    static const struct { const char *node, *words; } wrong[] = {
+    static const struct {
+        const char *node, *words;
+    } wrong[] = {
         { "{ \"name\": \"p\", \"function\": \"project\", \"image\": \"%s\" }", "solids[0].nodes[0].image: " },
         { "{ \"name\": \"p\", \"function\": \"table\", \"grid\": \"%s\" }", "solids[0].nodes[0].grid: " },
     };
@@ -181,6 +237,8 @@ int main(void)
         cmocka_unit_test(test_an_edit_builds_the_solid_alone),
         cmocka_unit_test(test_refusals_name_the_place),
         cmocka_unit_test(test_damaged_assets),
+        cmocka_unit_test(test_answers_are_numbers),
+        cmocka_unit_test(test_turned_bodies),
     };
     return cmocka_run_group_tests(tests, make_folder, NULL);
 }

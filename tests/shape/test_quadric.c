@@ -311,7 +311,7 @@ static void test_turning_refuses(void **state)
         size_t count;
         const char *says;
     } cases[] = {
-        { { { 0, 1, true } }, 1, "expected 2" },
+        { { { 0, 1, true } }, 1, "two points or more" },
         { { { 0, 1, true }, { 1, NAN, true } }, 2, "point 1" },
         { { { 0, 1, true }, { 1, -1, true } }, 2, "point 1" },
         { { { 0, 1, true }, { 1, 0, true }, { 2, 1, true } }, 3, "0 at an end" },
