@@ -32,6 +32,12 @@ async function until(page, holds, timeout = 60000) {
   }
 }
 
+/* The view follows the document by a packet of its own: until it has sections, or none. */
+async function sectionShown(page, shown) {
+  await page.waitForFunction((shown) => globalThis.pith.viewport.view.kinds.includes(1) === shown, shown, { timeout: 60000, polling: 30 });
+  await settled(page);
+}
+
 describe('the editor', { timeout: 600000 }, () => {
   beforeEach(() => { folder = workFolder(); });
   afterEach(async () => {
@@ -88,7 +94,7 @@ describe('the editor', { timeout: 600000 }, () => {
     await use(page, { tool: 'cut' });
     await drag(page, [[width / 2, height * 0.14], [width / 2 + 10, height / 2], [width / 2, height * 0.97]]);
     await until(page, (s) => s.document.cuts && s.document.cuts.length === 1);
-    await settled(page);
+    await sectionShown(page, true);
     const parts = await page.evaluate(() => globalThis.pith.viewport.view.parts.filter((part) => !part.hidden).length);
     assert.equal(parts, 1);
     const sections = await page.evaluate(() => globalThis.pith.viewport.view.kinds.reduce((sum, kind) => sum + kind, 0));
@@ -98,7 +104,7 @@ describe('the editor', { timeout: 600000 }, () => {
     assert.ok(cut.some((value, c) => Math.abs(value - skin[c]) > 8), `what went away was ${skin} and is ${cut}`);
     await page.keyboard.press('Control+z');
     await until(page, (s) => !s.document.cuts || s.document.cuts.length === 0);
-    await settled(page);
+    await sectionShown(page, false);
     const [healed] = await pixels(page, [middle]);
     assert.deepEqual(healed, skin);
     await page.keyboard.press('Control+Shift+z');
@@ -133,7 +139,7 @@ describe('the editor', { timeout: 600000 }, () => {
     await use(page, { tool: 'cut' });
     await drag(page, [[width / 2, height * 0.14], [width / 2, height * 0.97]]);
     await until(page, (s) => s.document.cuts && s.document.cuts.length === 1);
-    await settled(page);
+    await sectionShown(page, true);
     await page.evaluate(() => globalThis.pith.viewport.look({ unlit: true }));
     const green = await page.evaluate(async () => {
       const image = await createImageBitmap(await globalThis.pith.viewport.picture());
