@@ -5,6 +5,7 @@ import { execFileSync } from 'node:child_process';
 import { after, afterEach, beforeEach, describe, test } from 'node:test';
 import { closeBrowser, drawn, join, openPage, pixels, program, readDocument, rmSync, settled, startServer, state, workFolder, writeFileSync } from './harness.mjs';
 import { load } from './modules.mjs';
+import { eventually } from './page.mjs';
 
 const point = (name = 'at') => ({ name, takes: 'point', wanted: false, many: false, standard: 0 });
 const number = (name, wanted = true) => ({ name, takes: 'number', wanted, many: false, standard: 0.5 });
@@ -102,12 +103,6 @@ async function open(name, change, options) {
   return opened.page;
 }
 
-async function until(page, what, holds, timeout = 30000) {
-  for (const end = Date.now() + timeout; !(await holds());) {
-    if (Date.now() > end) throw new Error(`it did not come to pass that ${what}`);
-    await new Promise((resolve) => setTimeout(resolve, 40));
-  }
-}
 const solidIn = async (page) => (await state(page)).document.solids[0];
 const nodeIn = async (page, name) => (await solidIn(page)).nodes.find((node) => node.name === name);
 const steps = async (page) => (await state(page)).undo;
@@ -119,7 +114,7 @@ const menu = async (page, name, item) => {
 async function saved(page) {
   await page.keyboard.press('Escape');
   await page.evaluate(() => globalThis.pith.commands.run('save'));
-  await until(page, 'it is saved', async () => (await state(page)).saved);
+  await eventually('it is saved', async () => (await state(page)).saved);
   return readDocument(server.document);
 }
 /* Until the view rests with every colour there; while it moves there is nothing to ask for. */
@@ -177,7 +172,7 @@ describe('computed solids in the editor', { timeout: 600000 }, () => {
     const field = page.locator('.nodes .row-more input.field').first();
     await field.fill('bent trunk');
     await field.press('Enter');
-    await until(page, 'the name is another', () => nodeIn(page, 'bent trunk'));
+    await eventually('the name is another', () => nodeIn(page, 'bent trunk'));
     assert.deepEqual([(await nodeIn(page, 'rings')).at, (await nodeIn(page, 'fibre_place')).at], ['bent trunk', 'bent trunk']);
     assert.deepEqual(await steps(page), ['Rename grown']);
     assert.equal(await row(page, 'bent trunk').getAttribute('aria-pressed'), 'true', 'its card stays open');
@@ -198,7 +193,7 @@ describe('computed solids in the editor', { timeout: 600000 }, () => {
     const field = page.locator('[data-key="solids[0].nodes[3].spacing"]');
     await field.fill('0.3');
     await field.press('Enter');
-    await until(page, 'it is set', async () => (await nodeIn(page, 'rings')).spacing === 0.3);
+    await eventually('it is set', async () => (await nodeIn(page, 'rings')).spacing === 0.3);
     await settled(page);
     await fine(page);
     const now = await pixels(page, at);
@@ -218,11 +213,11 @@ describe('computed solids in the editor', { timeout: 600000 }, () => {
     await dialog.locator('input[type=search]').fill('checker');
     assert.equal(await dialog.locator('[data-function]').count(), 1);
     await page.keyboard.press('Enter');
-    await until(page, 'it is checks', async () => (await nodeIn(page, 'rings')).function === 'checks');
+    await eventually('it is checks', async () => (await nodeIn(page, 'rings')).function === 'checks');
     assert.deepEqual(await nodeIn(page, 'rings'), { name: 'rings', function: 'checks', at: 'grown' });
     await page.locator('[data-key="solids[0].nodes[3].size"]').waitFor();
     await page.keyboard.press('Control+z');
-    await until(page, 'it is rings again', async () => (await nodeIn(page, 'rings')).late === 0.3);
+    await eventually('it is rings again', async () => (await nodeIn(page, 'rings')).late === 0.3);
   });
 
   test('inputs, operands and outputs are chosen from what fits', async () => {
@@ -230,22 +225,22 @@ describe('computed solids in the editor', { timeout: 600000 }, () => {
     await row(page, 'wood').click();
     const path = 'solids[0].nodes[6].of';
     await page.locator(`[data-key="${path}+"]`).click();
-    await until(page, 'there are three', async () => (await nodeIn(page, 'wood')).of.length === 3);
+    await eventually('there are three', async () => (await nodeIn(page, 'wood')).of.length === 3);
     await page.locator(`select[data-key="${path}[2]"]`).selectOption('#number');
-    await until(page, 'it is a number', async () => typeof (await nodeIn(page, 'wood')).of[2] === 'number');
+    await eventually('it is a number', async () => typeof (await nodeIn(page, 'wood')).of[2] === 'number');
     await page.locator(`input[data-key="${path}[2]#"]`).fill('0.25');
     await page.locator(`input[data-key="${path}[2]#"]`).press('Enter');
-    await until(page, 'it is 0.25', async () => (await nodeIn(page, 'wood')).of[2] === 0.25);
+    await eventually('it is 0.25', async () => (await nodeIn(page, 'wood')).of[2] === 0.25);
     await page.locator(`[data-key="${path}[2]^"]`).click();
-    await until(page, 'it moved up', async () => (await nodeIn(page, 'wood')).of[1] === 0.25);
+    await eventually('it moved up', async () => (await nodeIn(page, 'wood')).of[1] === 0.25);
     await page.locator(`[data-key="${path}[0]-"]`).click();
-    await until(page, 'the first is gone', async () => (await nodeIn(page, 'wood')).of.length === 2);
+    await eventually('the first is gone', async () => (await nodeIn(page, 'wood')).of.length === 2);
     assert.deepEqual((await nodeIn(page, 'wood')).of, [0.25, 'fibre_tint']);
     const options = await page.locator(`select[data-key="${path}[1]"] option`).allTextContents();
     assert.ok(!options.includes('look') && !options.includes('wood') && options.includes('a colour'), 'what is made of it is not offered');
     assert.equal(await page.locator('.nodes .badge').count(), 1, 'rings are unused now');
     await page.locator('select[data-key="solids[0].colour"]').selectOption('node rings');
-    await until(page, 'the rings are the colour', async () => (await solidIn(page)).colour === 'rings');
+    await eventually('the rings are the colour', async () => (await solidIn(page)).colour === 'rings');
     await settled(page);
     await page.evaluate(() => globalThis.pith.viewport.look({ unlit: true }));
     await fine(page);
@@ -257,16 +252,16 @@ describe('computed solids in the editor', { timeout: 600000 }, () => {
     const page = await open('bubbles.pith');
     await page.locator('[data-key="node+"]').click();
     await page.locator('dialog [data-function="map"]').click();
-    await until(page, 'there is a map', () => nodeIn(page, 'map'));
+    await eventually('there is a map', () => nodeIn(page, 'map'));
     assert.equal((await nodeIn(page, 'map')).by, 0.5);
     await menu(page, 'map', 'Duplicate');
-    await until(page, 'there are two', () => nodeIn(page, 'map 2'));
+    await eventually('there are two', () => nodeIn(page, 'map 2'));
     await menu(page, 'map', 'Remove');
-    await until(page, 'the first is gone', async () => !(await nodeIn(page, 'map')));
+    await eventually('the first is gone', async () => !(await nodeIn(page, 'map')));
     await menu(page, 'inside', 'Remove');
     await page.getByText('“inside” is used by “look”, and nothing behind it could take its place there.').waitFor();
     await menu(page, 'green', 'Remove'); // its number takes its place
-    await until(page, 'green is bridged', async () => (await nodeIn(page, 'look')).b === 'which');
+    await eventually('green is bridged', async () => (await nodeIn(page, 'look')).b === 'which');
     assert.deepEqual(await steps(page), ['Remove green', 'Remove map', 'Duplicate map', 'Add map']);
     assert.deepEqual((await saved(page)).solids[0].nodes.map(({ name }) => name), ['inside', 'which', 'look', 'map 2']);
   });
@@ -288,7 +283,7 @@ describe('computed solids in the editor', { timeout: 600000 }, () => {
     await page.locator('[data-key="node+"]').click();
     await page.locator('dialog [data-function="project"]').click();
     await page.locator('dialog .file', { hasText: 'woodgrain.jpg' }).first().click();
-    await until(page, 'it projects the picture', async () =>
+    await eventually('it projects the picture', async () =>
       (await state(page)).document.bodies[0].solids[0].nodes.some((node) => node.function === 'project' && /woodgrain\.jpg$/.test(node.image) && node.name === 'project'));
   });
 
@@ -304,7 +299,7 @@ describe('computed solids in the editor', { timeout: 600000 }, () => {
     const direction = await page.evaluate(() => globalThis.pith.toolbox.get('direction').label);
     await page.locator('[data-key="node+"]').click();
     await page.locator('dialog [data-function="direction"]').click();
-    await until(page, 'there is a direction', () => nodeIn(page, 'direction'));
+    await eventually('there is a direction', () => nodeIn(page, 'direction'));
     const { document, undo } = await state(page);
     assert.ok(document.direction.strokes.length >= 1 && document.depth.constraints.length >= 2);
     assert.deepEqual(undo, ['Add direction']);
@@ -316,7 +311,7 @@ describe('computed solids in the editor', { timeout: 600000 }, () => {
     await page.evaluate(() => globalThis.pith.commands.run('type'));
     await page.locator('.type-option', { hasText: 'Wood' }).click();
     await page.getByText('Use wood', { exact: true }).click();
-    await until(page, 'it is of wood', async () => (await state(page)).document.solid === 'wood');
+    await eventually('it is of wood', async () => (await state(page)).document.solid === 'wood');
     await settled(page);
     await fine(page);
     const { solids, solid } = (await state(page)).document;
@@ -330,12 +325,12 @@ describe('computed solids in the editor', { timeout: 600000 }, () => {
     await page.evaluate(() => globalThis.pith.commands.run('type'));
     await page.locator('.type-option', { hasText: 'Granite' }).click();
     await page.getByText('Use granite', { exact: true }).click();
-    await until(page, 'it is of granite', async () => (await state(page)).document.solid === 'granite');
+    await eventually('it is of granite', async () => (await state(page)).document.solid === 'granite');
     assert.equal((await state(page)).document.solids.length, 2, 'it takes the place of the wood');
     await page.evaluate(() => globalThis.pith.commands.run('type'));
     await page.locator('.type-option', { hasText: 'Layers with a grain' }).click();
     await page.getByText('Use type 1-B', { exact: true }).click();
-    await until(page, 'it is lapped again', async () => (await state(page)).document.solid === solids[0].name);
+    await eventually('it is lapped again', async () => (await state(page)).document.solid === solids[0].name);
     assert.equal((await saved(page)).solids[0].type ?? '1-B', '1-B');
   });
 
@@ -349,21 +344,21 @@ describe('computed solids in the editor', { timeout: 600000 }, () => {
     await at('[1].r').fill('0.5');
     await at('[1].r').press('Enter');
     const profile = async () => (await state(page)).document.shape.turned.profile;
-    await until(page, 'the radius is another', async () => (await profile())[1].r === 0.5);
+    await eventually('the radius is another', async () => (await profile())[1].r === 0.5);
     await at('[1]+').click();
-    await until(page, 'there are four points', async () => (await profile()).length === 4);
+    await eventually('there are four points', async () => (await profile()).length === 4);
     assert.deepEqual((await profile())[2], { z: 0.5, r: 0.4 });
     await at('[2].corner').check();
-    await until(page, 'it is an edge', async () => (await profile())[2].corner === true);
+    await eventually('it is an edge', async () => (await profile())[2].corner === true);
     assert.equal(await page.locator('.profile-point').count(), 4);
     await page.locator('[data-section="shape.place"] > h4 > button').click();
     await page.locator('[data-key="place"]').click();
     await page.locator('[data-key="shape.place.turn_x"]').fill('90');
     await page.locator('[data-key="shape.place.turn_x"]').press('Enter');
-    await until(page, 'it lies', async () => (await state(page)).document.shape.place.turn_x === 90);
+    await eventually('it lies', async () => (await state(page)).document.shape.place.turn_x === 90);
     await page.locator('[data-section="shape.finish"] > h4 > button').click();
     await page.locator('[data-key="finish"]').click();
-    await until(page, 'it is polished', async () => (await state(page)).document.finish?.reflectivity === 0.04);
+    await eventually('it is polished', async () => (await state(page)).document.finish?.reflectivity === 0.04);
     await settled(page);
     const tall = await page.evaluate(() => { const [low, high] = globalThis.pith.model.meshes.get(0).box; return high.map((x, k) => x - low[k]); });
     assert.ok(tall[1] > 1.9 && tall[2] < 1.3, `${tall}: two long, on its side`);

@@ -21,4 +21,19 @@ struct pith_solid {
     uint32_t channels; /* >= 4 */
 };
 
+/** The part of a query that begins at `first`; borrows its arrays. */
+static inline pith_query pith_query_part(const pith_query *query, size_t first, size_t count)
+{
+    return (pith_query){
+        .points = query->points + first,
+        .normals = query->normals ? query->normals + first : NULL,
+        .views = query->views ? query->views + first : NULL,
+        .lights = query->lights ? query->lights + first : NULL,
+        .footprints = query->footprints ? query->footprints + first : NULL,
+        .tets = query->tets ? query->tets + first : NULL,
+        .weights = query->weights ? query->weights + first : NULL,
+        .count = count,
+    };
+}
+
 #endif

@@ -68,27 +68,42 @@ static pith_status build_items(pith_model *model, pith_error *err)
     size_t count;
     PITH_TRY(model_pieces(model, true, &pieces, &count, err));
     pith_render_item *items = pith_alloc(count, sizeof *items);
-    pith_free(model->scene);
-    model->scene = pith_alloc(count, sizeof *model->scene);
-    if (!items || !model->scene) {
-        pith_free(items);
-        return PITH_OUT_OF_MEMORY(err, "shells");
-    }
+    if (!items) return PITH_OUT_OF_MEMORY(err, "shells");
     model->item_count = 0;
-    pith_status status = PITH_OK;
-    for (size_t i = 0; status == PITH_OK && i < count; ++i) {
+    for (size_t i = 0; i < count; ++i) {
         if (pieces[i].hidden) continue;
-        pith_model *body = model_body(model, pieces[i].body);
-        pith_render_item *item = &items[model->item_count++];
-        *item = (pith_render_item){ .shell = pieces[i].shell, .solid = body->solid, .offset = pieces[i].offset,
-                                    .reflectivity = body->body->finish.reflectivity };
-        model->scene[model->item_count - 1] = *item;
-        status = show_exactly(model, body, &model->scene[model->item_count - 1], err);
+        const pith_model *body = model_body(model, pieces[i].body);
+        items[model->item_count++] = (pith_render_item){ .shell = pieces[i].shell,
+                                                         .solid = body->solid,
+                                                         .offset = pieces[i].offset,
+                                                         .reflectivity = body->body->finish.reflectivity };
     }
-    model->scene_count = model->item_count;
-    if (status == PITH_OK) model->items = items;
-    else pith_free(items);
-    return status;
+    model->items = items;
+    return PITH_OK;
+}
+
+/* The items, in the order of the pieces, but for what is exact. */
+static pith_status build_scene(pith_model *model, pith_error *err)
+{
+    const pith_model_piece *pieces;
+    const pith_render_item *items;
+    size_t count, piece_count, at = 0;
+    PITH_TRY(pith_model_items(model, &items, &count, err));
+    PITH_TRY(model_pieces(model, true, &pieces, &piece_count, err));
+    pith_render_item *scene = pith_alloc(count, sizeof *scene);
+    pith_status status = scene ? PITH_OK : PITH_OUT_OF_MEMORY(err, "a scene");
+    for (size_t i = 0; status == PITH_OK && i < piece_count; ++i) {
+        if (pieces[i].hidden) continue;
+        scene[at] = items[at];
+        status = show_exactly(model, model_body(model, pieces[i].body), &scene[at++], err);
+    }
+    if (status != PITH_OK) {
+        pith_free(scene);
+        return status;
+    }
+    model->scene = scene;
+    model->scene_count = count;
+    return PITH_OK;
 }
 
 /* A scene of nothing but exact bodies needs no tets and no shells. */
@@ -131,8 +146,7 @@ pith_status pith_model_items(pith_model *model, const pith_render_item **items, 
 
 pith_status pith_model_scene(pith_model *model, const pith_render_item **items, size_t *count, pith_error *err)
 {
-    if (!model->scene && all_exact(model)) PITH_TRY(build_exact_scene(model, err));
-    if (!model->scene) PITH_TRY(pith_model_items(model, items, count, err));
+    if (!model->scene) PITH_TRY(all_exact(model) ? build_exact_scene(model, err) : build_scene(model, err));
     *items = model->scene;
     *count = model->scene_count;
     return PITH_OK;
@@ -156,9 +170,9 @@ static pith_status build_volume(pith_model *model, pith_error *err)
     model->volume_count = 0;
     for (size_t i = 0; i < pieces->count; ++i)
         if (!states[i].hidden)
-            items[model->volume_count++] = (pith_volume_item){ pieces->pieces[i].part->what,
-                                                               model_body(model, pieces->pieces[i].body)->solid,
-                                                               states[i].offset };
+            items[model->volume_count++] =
+                (pith_volume_item){ pieces->pieces[i].part->what, model_body(model, pieces->pieces[i].body)->solid,
+                                    states[i].offset };
     pith_free(states);
     model->volume_level = level;
     model->volume_items = items;
@@ -166,8 +180,7 @@ static pith_status build_volume(pith_model *model, pith_error *err)
     return PITH_OK;
 }
 
-pith_status pith_model_volume_items(pith_model *model, const pith_volume_item **items, size_t *count,
-                                    pith_error *err)
+pith_status pith_model_volume_items(pith_model *model, const pith_volume_item **items, size_t *count, pith_error *err)
 {
     PITH_TRY(build_solids(model, err));
     if (!model->volume_items) PITH_TRY(build_volume(model, err));

@@ -112,16 +112,7 @@ void program_sample(const pith_solid *solid, const pith_query *query, float *out
     memset(registers, 0, own->register_count * sizeof *registers); /* lanes behind the last point hold something, too */
     for (size_t first = 0; first < query->count; first += LANES) {
         const size_t left = query->count - first, count = left < LANES ? left : LANES;
-        const pith_query block = {
-            .points = query->points + first,
-            .normals = query->normals ? query->normals + first : NULL,
-            .views = query->views ? query->views + first : NULL,
-            .lights = query->lights ? query->lights + first : NULL,
-            .footprints = query->footprints ? query->footprints + first : NULL,
-            .tets = query->tets ? query->tets + first : NULL,
-            .weights = query->weights ? query->weights + first : NULL,
-            .count = count,
-        };
+        const pith_query block = pith_query_part(query, first, count);
         run_steps(own, &block, count, registers);
         give(own, &block, count, registers, out + first * own->base.channels);
     }

@@ -12,21 +12,6 @@ void pith_solid_destroy(pith_solid *solid)
     if (solid) solid->class->destroy(solid);
 }
 
-/* The part of a query that begins at `first`. */
-static pith_query query_block(const pith_query *query, size_t first, size_t count)
-{
-    return (pith_query){
-        .points = query->points + first,
-        .normals = query->normals ? query->normals + first : NULL,
-        .views = query->views ? query->views + first : NULL,
-        .lights = query->lights ? query->lights + first : NULL,
-        .footprints = query->footprints ? query->footprints + first : NULL,
-        .tets = query->tets ? query->tets + first : NULL,
-        .weights = query->weights ? query->weights + first : NULL,
-        .count = count,
-    };
-}
-
 pith_status pith_solid_sample(const pith_solid *solid, const pith_query *query, float *out, pith_error *err)
 {
     if (!solid || !query || (query->count > 0 && (!query->points || !out)))
@@ -41,7 +26,7 @@ pith_status pith_solid_sample(const pith_solid *solid, const pith_query *query, 
     for (size_t b = 0; b < blocks; ++b) {
         const size_t first = b * SOLID_BLOCK;
         const size_t left = query->count - first;
-        const pith_query block = query_block(query, first, left < SOLID_BLOCK ? left : SOLID_BLOCK);
+        const pith_query block = pith_query_part(query, first, left < SOLID_BLOCK ? left : SOLID_BLOCK);
         solid->class->sample(solid, &block, out + first * solid->channels);
     }
     return PITH_OK;
