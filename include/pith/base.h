@@ -87,6 +87,7 @@ size_t pith_memory_peak(void);
 /* ---- vectors ------------------------------------------------------------------------------------------------- */
 
 typedef struct pith_vec3 { double x, y, z; } pith_vec3;
+typedef struct pith_vec2 { double x, y; } pith_vec2;
 typedef struct pith_box { pith_vec3 low, high; } pith_box;   /* empty when low.x > high.x */
 typedef struct pith_plane { pith_vec3 point, normal; } pith_plane; /* normal needs no unit length, must not be zero */
 

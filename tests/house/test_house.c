@@ -12,7 +12,7 @@ static const room rooms[] = {
     { "base", 0 },
     { "shape", 1 }, { "image", 1 }, { "solve", 1 },
     { "field", 2 }, { "cut", 2 },
-    { "solid", 3 }, { "exemplar", 3 },
+    { "solid", 3 }, { "exemplar", 3 }, { "sketch", 3 },
     { "procedural", 4 }, { "diffusion", 4 }, { "render", 4 }, { "bake", 4 }, { "body", 4 }, { "heart", 4 }, { "head", 4 },
     { "document", 5 },
     { "server", 6 },

@@ -1,0 +1,90 @@
+/** pith/sketch_surface.h: what is done with surfaces once they are there: parts of them erased, colours painted on
+ *  vertices and smoothed over the rest (Takayama 2011, §6.3.3), grains strewn over them (§6.3.2). */
+#ifndef PITH_SKETCH_SURFACE_H
+#define PITH_SKETCH_SURFACE_H
+
+#include "pith/cut.h"
+#include "pith/sketch.h"
+
+/* ---- partial deletion ------------------------------------------------------------------------------------------------- */
+
+/** What of a surface is erased: the part on one side of what is drawn. One of: a plane; a stroke over the picture, as cuts
+ *  have it; a curve in the vertical pane, swept round the axis; a curve in the horizontal pane, swept along the axis.
+ *  Open curves of panes go on straight beyond their ends. */
+typedef enum pith_erase_kind { PITH_ERASE_PLANE, PITH_ERASE_STROKE, PITH_ERASE_VERTICAL, PITH_ERASE_HORIZONTAL } pith_erase_kind;
+
+typedef struct pith_erase {
+    uint32_t kind;
+    pith_plane plane;
+    pith_cut_stroke stroke;         /* of PITH_ERASE_STROKE */
+    pith_cut_stroke_options follow;
+    pith_curve curve;               /* of the panes; a closed one has an inside, which is its negative side */
+    bool positive;                  /* erase the positive side: where the normal points, right of the stroke or curve as it
+                                       runs, outside of a closed one; else the other */
+} pith_erase;
+
+/** The mesh without the erased parts, divided along what was drawn; new vertices lie on edges. ends: for each vertex of
+ *  the result the two vertices of the mesh it lies between (the same twice for old ones) and how far along, [vertex_count]
+ *  allocated, caller frees each with pith_free; may be NULL. Unused vertices go. Vertices within 1e-6 of an edge's length
+ *  of the cut are taken as on it. PITH_BAD_ARGUMENT: nothing is left, or what pith_cut_stroke_check refuses. O(triangles). */
+typedef struct pith_erased { uint32_t from, to; double at; } pith_erased;
+pith_status pith_mesh_erase(const pith_mesh *mesh, const pith_erase *erases, size_t count, pith_mesh **left,
+                            pith_erased **ends, pith_error *err);
+
+/* ---- painting --------------------------------------------------------------------------------------------------------- */
+
+/** repeat: once: where the points are; folds: and in every other fold; around: all round the axis at their r and z. */
+typedef enum pith_brush_repeat { PITH_BRUSH_ONCE, PITH_BRUSH_FOLDS, PITH_BRUSH_AROUND } pith_brush_repeat;
+
+/** A stroke of a brush over a surface. */
+typedef struct pith_brush {
+    const pith_vec3 *points;    /* [count] at least one; between them it is straight */
+    size_t count;
+    double radius;              /* model units: vertices within it are met; 0: only the nearest vertex of each point */
+    uint32_t repeat;            /* pith_brush_repeat */
+} pith_brush;
+extern const pith_params pith_brush_params; /* radius, repeat */
+
+/** Marks the vertices that it meets (marked [vertex_count]; others stay as they are). A brush that meets none marks the
+ *  vertex nearest to its points. How many it met. O(vertices * points), parallel. */
+size_t pith_brush_mark(const pith_brush *brush, const pith_sketch *sketch, const pith_mesh_view *mesh, bool *marked);
+
+/** Spreads values from the fixed vertices over the rest of the surface: minimises the Dirichlet energy (cotangent
+ *  weights, kept above 0), which is Laplacian smoothing run to its end. values [channels][vertex_count], changed at
+ *  vertices that are not fixed; components of the surface without a fixed vertex stay as they are. Never leaves the range
+ *  of the fixed values. One factorisation for all channels. */
+pith_status pith_mesh_spread(const pith_mesh_view *mesh, const bool *fixed, uint32_t channels, double *values,
+                             pith_error *err);
+
+/* ---- grains ----------------------------------------------------------------------------------------------------------- */
+
+typedef struct pith_grains_options {
+    double radius;      /* of the Poisson discs: no two grains are nearer, model units */
+    double scale;       /* factor on the grain's size */
+    double scale_spread; /* 0 all alike … 1: sizes between 0 and twice */
+    double turn_spread; /* degrees: each is turned about the normal by up to so much, either way */
+    double offset;      /* from the surface along its normal, model units */
+    uint64_t seed;
+} pith_grains_options;
+extern const pith_params pith_grains_params;
+pith_grains_options pith_grains_options_default(void);
+
+/** Where a grain stands: columns of its frame: across, along the axis of symmetry as far as the surface allows, and the
+ *  surface's normal; unit and right-handed, to be scaled by `scale`. */
+typedef struct pith_grain { pith_vec3 origin, across, along, normal; double scale; } pith_grain;
+
+/** The grain's own surface, in its frame: x across, y along, z the normal. profile: closed loop in (z, y), as chambers'
+ *  vertical curve is drawn beside the surface's curve, z outward; outline: closed loop in (z, x). across, along: samples. */
+pith_status pith_grain_surface(const pith_curve *profile, const pith_curve *outline, uint32_t across, uint32_t along,
+                               pith_mesh **mesh, pith_error *err);
+/** Strews grains over the marked triangles' surface (marked [vertex_count]: triangles all of whose corners are; NULL:
+ *  everywhere) by dart throwing on the surface (Cline, Jeschke, White, Razdan and Wonka 2009 name the task): until no
+ *  place is left, but for gaps that darts miss a thousand times. grains: allocated [count], caller frees with pith_free.
+ *  PITH_BAD_ARGUMENT: a radius that would give more than a million grains, naming one that would do. O(grains) expected. */
+pith_status pith_mesh_grains(const pith_mesh_view *base, const bool *marked, const pith_grains_options *options,
+                             pith_grain **grains, size_t *count, pith_error *err);
+/** Copies of the grain's surface where the grains stand, as one mesh. */
+pith_status pith_grains_mesh(const pith_mesh *grain, const pith_grain *grains, size_t count, pith_mesh **mesh,
+                             pith_error *err);
+
+#endif
