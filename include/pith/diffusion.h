@@ -72,8 +72,9 @@ pith_diffusion_options pith_diffusion_options_default(void);
 pith_status pith_diffusion_colours(const pith_diffusion *diffusion, const pith_diffusion_options *options,
                                    const pith_vec3 *points, size_t count, float (*colours)[4], pith_error *err);
 
-/** Solid of kind "diffusion", channels RGBA: answers what pith_diffusion_colours does, bit for bit. Borrows the diffusion,
- *  which must outlive it. */
+/** Solid of kind "diffusion", channels RGBA: answers what pith_diffusion_colours does, bit for bit. Asked with normals, as
+ *  skins are, a point that lies on a surface gets the colour of the side that its normal points to, or of the other side
+ *  when that is hidden. Borrows the diffusion, which must outlive it. */
 pith_status pith_solid_diffusion(const pith_diffusion *diffusion, const pith_diffusion_options *options,
                                  pith_solid **solid, pith_error *err);
 

@@ -8,6 +8,7 @@
 
 #include "pith/bake.h"
 #include "pith/cut.h"
+#include "pith/diffusion.h"
 #include "pith/exemplar.h"
 #include "pith/field.h"
 #include "pith/render.h"
@@ -168,6 +169,9 @@ pith_status pith_model_directions(pith_model *model, const pith_vec3 **direction
 pith_status pith_model_scale(pith_model *model, const double **scale, pith_error *err);
 /** The exemplar as the model uses it: 8 bits a channel, so that a model from the cache is the same model. */
 pith_status pith_model_exemplar(pith_model *model, const pith_grid **exemplar, pith_error *err);
+/** The surfaces that the body's "surfaces" describe, in their order, where they stand. */
+pith_status pith_model_surfaces(pith_model *model, const pith_diffusion_surface **surfaces, size_t *count,
+                                pith_error *err);
 /** The solid the model is made of. */
 pith_status pith_model_solid(pith_model *model, const pith_solid **solid, pith_error *err);
 /** Report of the fill; NULL when the solid is not lapped, or not asked for yet. */

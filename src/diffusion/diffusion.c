@@ -140,14 +140,41 @@ typedef struct diffusion_solid {
     asker with;
 } diffusion_solid;
 
+/* A skin lies on a sheet, whose two sides may differ: the side that the normal points to is asked for, or the other when
+   that one is hidden. False: the point is on no sheet, within this fraction of the object's radius. */
+static const double on_sheet = 1e-5;
+
+static bool answer_side(const pith_diffusion *diffusion, pith_vec3 point, pith_vec3 normal, float colour[4])
+{
+    const pith_vec3 p = diffusion_to_scene(diffusion, point);
+    if (!diffusion_reaches(p)) return false;
+    const nearest_sheet at = scene_nearest(diffusion, p, on_sheet);
+    if (at.triangle == PITH_NONE) return false;
+    const bool back = pith_dot(diffusion->placed[at.triangle].normal, normal) < 0.0;
+    for (int other = 0; other < 2; ++other) {
+        const side_paint *side = &diffusion->sheets.sides[at.triangle][back != other];
+        const paint seen = side->a + (float)at.weights[1] * side->to_b + (float)at.weights[2] * side->to_c;
+        for (int k = 0; k < 4; ++k) colour[k] = seen[k];
+        if (colour[3] > 0.0f) return true;
+    }
+    memset(colour, 0, 4 * sizeof *colour);
+    return true;
+}
+
 static void solid_sample(const pith_solid *solid, const pith_query *query, float *out)
 {
     const diffusion_solid *self = (const diffusion_solid *)solid;
+    float(*colours)[4] = (float(*)[4])out;
     place places[SOLID_BLOCK];
     uint32_t order[SOLID_BLOCK];
+    size_t count = 0;
     order_points(self->with.diffusion, query->points, query->count, places);
-    for (size_t i = 0; i < query->count; ++i) order[i] = places[i].point;
-    answer(&self->with, query->points, order, query->count, (float(*)[4])out);
+    for (size_t i = 0; i < query->count; ++i) {
+        const uint32_t at = places[i].point;
+        if (!query->normals || !answer_side(self->with.diffusion, query->points[at], query->normals[at], colours[at]))
+            order[count++] = at;
+    }
+    if (count > 0) answer(&self->with, query->points, order, count, colours);
 }
 
 static void solid_destroy(pith_solid *solid)

@@ -74,6 +74,7 @@ static pith_status build_shape(pith_document *made, const json_t *shape, documen
                 : json_object_get(shape, "slab")   ? SHAPE_SLAB
                 : json_object_get(shape, "block")  ? SHAPE_BLOCK
                 : json_object_get(shape, "turned") ? SHAPE_TURNED
+                : json_object_get(shape, "surfaces") ? SHAPE_SURFACES
                                                    : SHAPE_FRUIT;
     json_options(json_object_get(shape, "fruit"), &pith_fruit_params, &to->fruit);
     json_options(json_object_get(shape, "slab"), &pith_slab_params, &to->slab);
@@ -331,9 +332,22 @@ static pith_status build_lapped(pith_document *made, reader *in, const json_t *f
     return build_pastes(made, in, json_object_get(from, "pastes"), to);
 }
 
+static pith_status build_diffusion(pith_document *made, reader *in, const json_t *from, const document_body *body,
+                                   document_solid *to)
+{
+    const json_t *names = json_object_get(from, "surfaces");
+    json_options(from, &pith_diffusion_params, &to->diffusion);
+    const size_t length = names ? reader_enter(in, "surfaces") : 0;
+    PITH_TRY(surfaces_named(made, in, names, body, &to->surfaces, &to->surface_count));
+    if (names) reader_leave(in, length);
+    if (to->surface_count > 0) return PITH_OK;
+    return reader_fail(in, "colours flow between surfaces, and the body has none; give it \"surfaces\"");
+}
+
 static pith_status build_solid(pith_document *made, reader *in, const json_t *from, const document_body *body,
                                document_solid *to)
 {
+    static const char *const words[] = { "lapped", "grid", "procedural", "diffusion" };
     PITH_TRY(document_text(made, json_object_get(from, "name"), &to->name, in->err));
     for (const document_solid *other = body->solids; other < to; ++other)
         if (strcmp(other->name, to->name) == 0) {
@@ -342,9 +356,10 @@ static pith_status build_solid(pith_document *made, reader *in, const json_t *fr
                                other - body->solids);
         }
     const char *kind = json_string_value(json_object_get(from, "kind"));
-    to->kind = strcmp(kind, "grid") == 0 ? SOLID_GRID : strcmp(kind, "lapped") == 0 ? SOLID_LAPPED : SOLID_PROCEDURAL;
+    while (strcmp(words[to->kind], kind) != 0) ++to->kind;
     if (to->kind == SOLID_LAPPED) return build_lapped(made, in, from, body, to);
     if (to->kind == SOLID_PROCEDURAL) return graph_build(made, in, from, body, &to->graph);
+    if (to->kind == SOLID_DIFFUSION) return build_diffusion(made, in, from, body, to);
     json_options(from, &document_grid_params, &to->grid);
     PITH_TRY(document_path(made, from, "file", &to->grid_file, in->err));
     return check_voxels(in, from, to->grid_file, 1);
@@ -392,6 +407,7 @@ pith_status body_build(pith_document *made, reader *in, const json_t *from, docu
     to->place = arena_text(&made->memory, place);
     if (!to->place) return PITH_OUT_OF_MEMORY(in->err, "a place");
     PITH_TRY(build_shape(made, json_object_get(from, "shape"), to, in->err));
+    PITH_TRY(surfaces_build(made, in, from, to));
     PITH_TRY(check_turned(in, to));
     PITH_TRY(build_depth(made, in, json_object_get(from, "depth"), to));
     PITH_TRY(check_refine(in, to));

@@ -183,6 +183,48 @@ static pith_status check_lines(reader *in, const json_t *value)
     return PITH_OK;
 }
 
+static pith_status check_curve(reader *in, const json_t *value)
+{
+    if (!json_is_array(value)) return wrong_type(in, value, "a list of points [a, b] of a curve");
+    if (json_array_size(value) < 2)
+        return reader_fail(in, "has %zu points, expected at least 2", json_array_size(value));
+    for (size_t i = 0; i < json_array_size(value); ++i) {
+        const json_t *point = json_array_get(value, i);
+        if (json_array_size(point) == 2 && json_is_number(json_array_get(point, 0)) &&
+            json_is_number(json_array_get(point, 1)))
+            continue;
+        reader_enter_at(in, i);
+        return reader_fail(in, "expected a point of the curve, two numbers [a, b]");
+    }
+    return PITH_OK;
+}
+
+static pith_status check_curves(reader *in, const json_t *value)
+{
+    if (!json_is_array(value) || json_array_size(value) == 0)
+        return reader_fail(in, "expected a list of curves, each a list of points [a, b]");
+    for (size_t i = 0; i < json_array_size(value); ++i) {
+        const size_t length = reader_enter_at(in, i);
+        PITH_TRY(check_curve(in, json_array_get(value, i)));
+        reader_leave(in, length);
+    }
+    return PITH_OK;
+}
+
+static pith_status check_names(reader *in, const json_t *value)
+{
+    if (!json_is_array(value) || json_array_size(value) == 0) return reader_fail(in, "expected a list of names");
+    for (size_t i = 0; i < json_array_size(value); ++i) {
+        const size_t length = reader_enter_at(in, i);
+        PITH_TRY(check_text(in, json_array_get(value, i), "a name"));
+        for (size_t k = 0; k < i; ++k)
+            if (json_equal(json_array_get(value, i), json_array_get(value, k)))
+                return reader_fail(in, "is there twice");
+        reader_leave(in, length);
+    }
+    return PITH_OK;
+}
+
 static pith_status check_faces(reader *in, const json_t *value)
 {
     if (json_is_string(value) && strcmp(json_string_value(value), "all") == 0) return PITH_OK;
@@ -345,9 +387,13 @@ static pith_status check_value(reader *in, json_t *value, const grammar_key *key
     case VALUE_POINTS: return check_points(in, value, 1);
     case VALUE_LINE: return check_points(in, value, 2);
     case VALUE_LINES: return check_lines(in, value);
+    case VALUE_CURVE: return check_curve(in, value);
+    case VALUE_CURVES: return check_curves(in, value);
+    case VALUE_NAMES: return check_names(in, value);
     case VALUE_FACES: return check_faces(in, value);
     case VALUE_SIZES: return check_sizes(in, value);
     case VALUE_INDEX: return check_index(in, value);
+    case VALUE_FLAG: return json_is_boolean(value) ? PITH_OK : wrong_type(in, value, "true or false");
     case VALUE_MATRIX: return check_matrix(in, value);
     case VALUE_INPUT: return check_input(in, value);
     case VALUE_INPUTS: return check_inputs(in, value);

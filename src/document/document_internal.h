@@ -6,6 +6,7 @@
 
 #include "pith/document.h"
 #include "pith/procedural.h"
+#include "pith/sketch_surface.h"
 
 /* ---- grammar: which keys an object may have ------------------------------------------------------------------ */
 
@@ -20,9 +21,13 @@ typedef enum value_kind {
     VALUE_POINTS,   /* a list of points */
     VALUE_LINE,     /* a list of at least two points */
     VALUE_LINES,    /* a list of lines */
+    VALUE_CURVE,    /* a list of at least two points of a plane, [a, b] */
+    VALUE_CURVES,   /* a list of curves */
+    VALUE_NAMES,    /* a list of one or more texts, each once */
     VALUE_FACES,    /* "all" or a list of indices */
     VALUE_SIZES,    /* [r, s, t], whole numbers 8 .. 256 */
     VALUE_INDEX,    /* a whole number from 0 */
+    VALUE_FLAG,     /* true or false */
     VALUE_MATRIX,   /* three or four rows of four numbers; the last of four is 0, 0, 0, 1 */
     VALUE_INPUT,    /* a node's name, a number or "#rrggbb" */
     VALUE_INPUTS,   /* one of these, or a list of them */
@@ -61,6 +66,7 @@ struct grammar {
 
 extern const grammar grammar_document, grammar_body, grammar_recipe;
 extern const grammar grammar_exemplar, grammar_plane, grammar_cut_stroke; /* operations have them too */
+extern const grammar grammar_sketch, grammar_surfaces[], grammar_brush, grammar_erase; /* grammar_surfaces.c */
 
 /* Where a check stands: the document's path, and the place inside it. */
 typedef struct reader {
@@ -155,7 +161,7 @@ typedef struct document_graph {
     uint64_t hash;                  /* of all it says, but for what is in the files */
 } document_graph;
 
-typedef enum solid_kind { SOLID_LAPPED, SOLID_GRID, SOLID_PROCEDURAL } solid_kind;
+typedef enum solid_kind { SOLID_LAPPED, SOLID_GRID, SOLID_PROCEDURAL, SOLID_DIFFUSION } solid_kind;
 typedef struct grid_options { bool clamp; } grid_options;
 
 typedef struct document_solid {
@@ -168,6 +174,9 @@ typedef struct document_solid {
     const char *grid_file;
     grid_options grid;
     document_graph graph;
+    pith_diffusion_options diffusion;
+    size_t *surfaces;               /* [surface_count] of the body's that colours flow between */
+    size_t surface_count;
 } document_solid;
 
 typedef struct paste_options { double size, mask_radius, drop_off; } paste_options;
@@ -208,6 +217,54 @@ typedef struct document_turned {
 /* The quadrics where they stand; pith_free them. The body is turned. */
 pith_status turned_quadrics(const document_body *body, pith_quadric **quadrics, size_t *count, pith_error *err);
 
+/* ---- surfaces that colours flow between: what the body's "sketch" and "surfaces" say ---------------------------- */
+
+/* A stroke of a brush, and what it paints; a region of grains paints nothing. */
+typedef struct paint_value { double blur; } paint_value;
+typedef struct document_paint {
+    pith_brush brush;
+    float front[3], back[3];        /* linear */
+    double blur;
+    bool has_front, has_back, has_blur;
+} document_paint;
+
+/* A picture that curves are drawn over: where its middle is in the pane, and how wide it is. */
+typedef struct reference_options { double x, y, width, turn; } reference_options;
+
+typedef struct erase_options { uint32_t side; } erase_options;
+typedef enum surface_hide { HIDE_NONE, HIDE_FRONT, HIDE_BACK } surface_hide;
+typedef struct surface_look { double blur, opacity; uint32_t hide; } surface_look;
+typedef struct grain_options { uint32_t across, along; } grain_options;
+
+typedef enum surface_kind { SURFACE_AROUND, SURFACE_CHAMBERS, SURFACE_GRAINS, SURFACE_FILE, SURFACE_BODY } surface_kind;
+
+typedef struct document_surface {
+    const char *name;
+    surface_kind kind;
+    size_t feature;                 /* of the sketch: around, chambers */
+    const char *file, *part;        /* file: resolved path; which of its surfaces, NULL: the only one */
+    size_t on;                      /* grains: the surface they lie on, one before this one */
+    pith_curve profile, outline;    /* of a grain */
+    grain_options grain;
+    pith_grains_options grains;
+    pith_brush *region;             /* [region_count]; none: everywhere */
+    size_t region_count;
+    float front[3], back[3];        /* linear; back is front when the surface has one colour */
+    bool coloured, two_sided;       /* coloured: "colours" names one */
+    surface_look look;
+    document_paint *paint;          /* [paint_count] */
+    size_t paint_count;
+    pith_erase *erase;              /* [erase_count] */
+    size_t erase_count;
+} document_surface;
+
+typedef struct document_sketch {
+    pith_sketch drawn;              /* its features are the surfaces of kinds around and chambers, in their order */
+    bool varied;
+    pith_variation_options variation;
+    uint64_t hash;                  /* of all that sketch and surfaces say, but for pictures and what is in files */
+} document_sketch;
+
 /* How a body's surface takes the light. */
 typedef struct finish_options { double reflectivity; } finish_options;
 
@@ -216,7 +273,13 @@ struct document_body {
     const char *name;               /* "" when it is the only one */
     const char *place;              /* what stands before its keys in messages: "" or "bodies[2]." */
 
-    enum { SHAPE_MESH, SHAPE_FRUIT, SHAPE_SLAB, SHAPE_BLOCK, SHAPE_TURNED } shape;
+    document_sketch sketch;
+    document_surface *surfaces;     /* [surface_count] */
+    size_t surface_count;
+
+    enum { SHAPE_MESH, SHAPE_FRUIT, SHAPE_SLAB, SHAPE_BLOCK, SHAPE_TURNED, SHAPE_SURFACES } shape;
+    size_t *bounds;                 /* [bound_count] closed surfaces that bound it */
+    size_t bound_count;
     const char *mesh_file;          /* resolved path */
     pith_fruit_options fruit;
     pith_slab_options slab;
@@ -301,6 +364,12 @@ pith_status body_build(pith_document *made, reader *in, const json_t *from, docu
 /* Frees what a body holds outside the document's memory. */
 void body_clear(document_body *body);
 
+/* The body's "sketch" and "surfaces", the surfaces that bound its shape, and those of a diffusion solid (names NULL: all;
+   `in` stands where they are listed). */
+pith_status surfaces_build(pith_document *made, reader *in, const json_t *from, document_body *to);
+pith_status surfaces_named(pith_document *made, reader *in, const json_t *names, const document_body *body,
+                           size_t **surfaces, size_t *count);
+
 /* From the checked object of a procedural solid; `in` stands there. Refuses names of nodes that are not there, and what
    pith_procedural_check does. */
 pith_status graph_build(pith_document *made, reader *in, const json_t *from, const document_body *body,
@@ -318,6 +387,8 @@ extern const pith_params document_grid_params, document_lens_params, document_de
     document_turned_params, document_profile_params, document_finish_params, document_constraint_params,
     document_recipe_params, document_stop_params, document_graph_params,
     document_map_stop_params, document_wave_params;
+extern const pith_params document_reference_params, document_look_params, document_grain_params, document_paint_params,
+    document_erase_params;
 extern const pith_params document_part_params;
 extern const pith_params document_scale_value_params, document_paste_params, document_transfer_params;
 typedef struct depth_value { double depth, within; } depth_value; /* within: of constraints only */
@@ -373,7 +444,7 @@ pith_status exemplar_unpack(byte_reader *in, pith_grid **exemplar, pith_error *e
    directions at the tets' vertices, voxels: of the field they are taken from; painted: of faces; patches: of a fill,
    solid: of what the body is made of in the end. */
 typedef struct stage_keys {
-    uint64_t mesh, painted, tets, depth, fields, voxels, vectors, scale, exemplar, patches, solid;
+    uint64_t surfaces, mesh, painted, tets, depth, fields, voxels, vectors, scale, exemplar, patches, diffusion, solid;
 } stage_keys;
 pith_status stage_keys_of(const document_body *body, stage_keys *keys, pith_error *err);
 /* The key of the exemplar of a paste. */

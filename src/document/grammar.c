@@ -132,6 +132,9 @@ const pith_params *document_tables[MOST_TABLES] = {
         &document_part_params, &document_lens_params, &pith_render_params, &pith_volume_params,
         &document_transfer_params, &document_graph_params, &pith_block_params, &document_turned_params, &document_profile_params,
     &pith_placement_params, &document_finish_params, &document_map_stop_params, &document_wave_params,
+    &pith_sketch_params, &pith_variation_params, &document_reference_params, &pith_feature_params, &document_look_params,
+    &pith_brush_params, &document_paint_params, &document_erase_params, &pith_grains_params, &document_grain_params,
+    &pith_diffusion_params,
 };
 
 const pith_params *const *pith_document_tables(void) { return document_tables; }
@@ -212,10 +215,12 @@ static const grammar shape = {
          { "slab", VALUE_OBJECT, "a layer, disc, tube or slice made by the program", &slab },
          { "block", VALUE_OBJECT, "a box", &block },
          { "turned", VALUE_OBJECT, "a profile turned about an axis", &turned },
+         { "surfaces", VALUE_NAMES, "closed ones of the body's `surfaces`: the outside, hollows in it, and what stands "
+           "in these", NULL },
          { "place", VALUE_OBJECT, "where it stands; left out: where it was made", &place },
          { "tets", VALUE_OBJECT, "how it is filled with tetrahedra", &tets },
          { "refine", VALUE_OBJECT, "smaller tetrahedra where the fields need them; left out: none", &refine }),
-    NULL, NULL, NAMES("mesh", "fruit", "slab", "block", "turned"),
+    NULL, NULL, NAMES("mesh", "fruit", "slab", "block", "turned", "surfaces"),
 };
 static const grammar constraint = {
     "constraint", "Faces, a stroke or points, and the depth they have.",
@@ -295,6 +300,9 @@ static const grammar solid_kinds[] = {
            { "opacity", VALUE_INPUT, "a node that multiplies the colour's opacity", NULL },
            { "displacement", VALUE_INPUT, "a node that becomes the channel behind the colour's four", NULL }),
       &document_graph_params, NAMES("name", "kind", "nodes", "colour"), NULL },
+    { "diffusion", "Colours that flow between the body's surfaces.",
+      KEYS(SOLID_KEYS, { "surfaces", VALUE_NAMES, "between which of them; default: all", NULL }),
+      &pith_diffusion_params, NAMES("name", "kind"), NULL },
     { NULL, NULL, NULL, 0, NULL, NULL, NULL },
 };
 const grammar grammar_plane = {
@@ -346,6 +354,9 @@ static const grammar volume = {
     &pith_volume_params, NULL, NULL,
 };
 #define BODY_KEYS                                                                                                      \
+    { "sketch", VALUE_OBJECT, "what `surfaces` are drawn about: symmetry, pictures, variation", &grammar_sketch },       \
+    { "surfaces", VALUE_KINDS, "surfaces with colours that flow between them, and those it may be bounded by",         \
+      grammar_surfaces },                                                                                              \
     { "shape", VALUE_OBJECT, "the body's form", &shape },                                                              \
     { "depth", VALUE_OBJECT, "the depth field; types 0-C, 1-A and 1-B need it", &depth },                              \
     { "direction", VALUE_OBJECT, "the direction field; types 0-C and 1-B need it", &direction },                       \

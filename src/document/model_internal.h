@@ -1,5 +1,6 @@
 /* A model from the inside: what has been built so far. model.c is its life and its cache; sharing.c holds what was built
-   and shares it with other models; model_shape.c, model_fields.c, model_faces.c and model_solid.c build the stages of a
+   and shares it with other models; model_surfaces.c, model_shape.c,
+   model_fields.c, model_faces.c and model_solid.c build the stages of a
    body; cuts.c has the cuts, levels.c cuts bodies to parts, parts.c hides and moves them, pieces.c makes their shells;
    items.c looks at them. */
 #ifndef PITH_MODEL_INTERNAL_H
@@ -22,8 +23,13 @@ void holding_release(holding *shared);
 /* What is built of a body, and can be shared. */
 typedef enum model_stage {
     STAGE_MESH, STAGE_TETS, STAGE_LOCATOR, STAGE_DEPTH, STAGE_GRADIENT, STAGE_SECONDARY, STAGE_VECTORS, STAGE_DIRECTIONS,
-    STAGE_SCALE, STAGE_EXEMPLAR, STAGE_FILL, STAGE_SOLID, STAGE_WHOLE, STAGE_PAINTED, STAGE_FACES, STAGE_COUNT
+    STAGE_SCALE, STAGE_EXEMPLAR, STAGE_FILL, STAGE_SURFACES, STAGE_DIFFUSION, STAGE_SOLID, STAGE_WHOLE, STAGE_PAINTED,
+    STAGE_FACES, STAGE_COUNT
 } model_stage;
+
+/* Surfaces that colours flow between, as they were made (model_surfaces.c). */
+typedef struct body_surfaces body_surfaces;
+void body_surfaces_destroy(body_surfaces *gone);
 
 /* The exemplar of a paste. */
 typedef struct stamp {
@@ -115,6 +121,8 @@ struct pith_model {
     pith_grid *exemplar;
     pith_solid *fill;           /* patches without pastes; NULL unless lapped */
     pith_solid *solid;          /* the fill itself when there are no pastes */
+    body_surfaces *surfaces;
+    pith_diffusion *diffusion;  /* between those of the solid */
     pith_lapped_report fill_report;
     bool has_fill_report;
     pith_part *whole;
@@ -178,6 +186,10 @@ void model_keep(pith_model *model, const char *stage, uint64_t key, byte_writer 
 bool model_recall(const pith_model *model, const char *stage, uint64_t key, byte_reader *in);
 void model_release(byte_reader *in);
 void model_note_damage(pith_model *model, const char *what, const pith_error *err);
+
+/* The closed surfaces that bound the body as one mesh; the diffusion between the surfaces of a solid. */
+pith_status surfaces_mesh(pith_model *model, pith_mesh **mesh, pith_error *err);
+pith_status surfaces_diffusion(pith_model *model, const document_solid *solid, pith_diffusion **made, pith_error *err);
 
 /* Depth and its gradient at the vertices of these tets, and the directions of a body with strokes; arrays of the
    caller. */

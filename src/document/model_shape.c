@@ -8,7 +8,8 @@
 /* The key that says the shape, for messages. */
 static const char *shape_key(const document_body *body)
 {
-    static const char *const keys[] = { "shape.mesh", "shape.fruit", "shape.slab", "shape.block", "shape.turned" };
+    static const char *const keys[] = { "shape.mesh", "shape.fruit", "shape.slab", "shape.block", "shape.turned",
+                                        "shape.surfaces" };
     return keys[body->shape];
 }
 
@@ -45,25 +46,28 @@ static pith_status turned_mesh(const document_body *body, pith_mesh **mesh, pith
     return status;
 }
 
-static pith_status form_mesh(const document_body *body, pith_mesh **mesh, pith_error *err)
+static pith_status form_mesh(pith_model *model, pith_mesh **mesh, pith_error *err)
 {
+    const document_body *body = model->body;
     switch (body->shape) {
     case SHAPE_MESH: return pith_mesh_read(body->mesh_file, mesh, err);
     case SHAPE_FRUIT: return pith_mesh_fruit(&body->fruit, mesh, err);
     case SHAPE_SLAB: return pith_mesh_slab(&body->slab, mesh, err);
     case SHAPE_BLOCK: return pith_mesh_block(&body->block, mesh, err);
     case SHAPE_TURNED: return turned_mesh(body, mesh, err);
+    case SHAPE_SURFACES: return surfaces_mesh(model, mesh, err);
     }
     return PITH_OK;
 }
 
-static pith_status raw_mesh(const pith_model *model, pith_mesh **raw, pith_error *err)
+static pith_status raw_mesh(pith_model *model, pith_mesh **raw, pith_error *err)
 {
     const document_body *body = model->body;
     pith_mesh *made = NULL;
-    pith_status status = form_mesh(body, &made, err);
+    pith_status status = form_mesh(model, &made, err);
+    if (status != PITH_OK && body->shape == SHAPE_SURFACES) return status; /* it names its surface */
     if (status != PITH_OK) return model_fail_at(model, status, shape_key(body), NULL, NULL, err);
-    if (!body->placed || body->shape == SHAPE_TURNED) {
+    if (!body->placed || body->shape == SHAPE_TURNED || body->shape == SHAPE_SURFACES) {
         *raw = made;
         return PITH_OK;
     }

@@ -356,12 +356,32 @@ static pith_status build_procedural(pith_model *model, const document_solid *fro
     return model_hold_on(model, STAGE_SOLID, made, graph->directed ? STAGE_LOCATOR : STAGE_SOLID, err);
 }
 
+/* ---- diffusion --------------------------------------------------------------------------------------------------------------- */
+
+static pith_status build_diffusion(pith_model *model, const document_solid *from, pith_error *err)
+{
+    pith_status status = PITH_OK;
+    pith_solid *made = NULL;
+    if (!model->diffusion) {
+        pith_diffusion *diffusion = NULL;
+        PITH_TRY(pith_model_surfaces(model, NULL, NULL, err));
+        const double start = pith_seconds();
+        status = surfaces_diffusion(model, from, &diffusion, err);
+        if (status == PITH_OK) PITH_TRY(model_hold(model, STAGE_DIFFUSION, diffusion, err));
+        model_took(model, offsetof(pith_model_times, fill), start);
+    }
+    if (status == PITH_OK) status = pith_solid_diffusion(model->diffusion, &from->diffusion, &made, err);
+    if (status != PITH_OK) return solid_fail(model, status, "", err);
+    return model_hold_on(model, STAGE_SOLID, made, STAGE_DIFFUSION, err);
+}
+
 pith_status pith_model_solid(pith_model *model, const pith_solid **solid, pith_error *err)
 {
     const document_solid *chosen = NULL;
     PITH_TRY(chosen_solid(model, &chosen, err));
     if (!model->solid && chosen->kind == SOLID_GRID) PITH_TRY(build_grid(model, chosen, err));
     if (!model->solid && chosen->kind == SOLID_PROCEDURAL) PITH_TRY(build_procedural(model, chosen, err));
+    if (!model->solid && chosen->kind == SOLID_DIFFUSION) PITH_TRY(build_diffusion(model, chosen, err));
     if (!model->solid) PITH_TRY(obtain_lapped(model, chosen, err));
     if (solid) *solid = model->solid;
     return PITH_OK;

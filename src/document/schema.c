@@ -61,6 +61,11 @@ static json_t *point_schema(void)
     return json_pack("{ss s{ss} si si}", "type", "array", "items", "type", "number", "minItems", 3, "maxItems", 3);
 }
 
+static json_t *pair_schema(void)
+{
+    return json_pack("{ss s{ss} si si}", "type", "array", "items", "type", "number", "minItems", 2, "maxItems", 2);
+}
+
 static json_t *list_schema(json_t *items, int least)
 {
     return json_pack("{ss so si}", "type", "array", "items", items, "minItems", least);
@@ -116,6 +121,11 @@ static json_t *value_schema(schema_maker *maker, const grammar_key *key)
     case VALUE_POINTS: return list_schema(point_schema(), 1);
     case VALUE_LINE: return list_schema(point_schema(), 2);
     case VALUE_LINES: return list_schema(list_schema(point_schema(), 2), 1);
+    case VALUE_CURVE: return list_schema(pair_schema(), 2);
+    case VALUE_CURVES: return list_schema(list_schema(pair_schema(), 2), 1);
+    case VALUE_NAMES:
+        return json_pack("{ss s{ss si} si sb}", "type", "array", "items", "type", "string", "minLength", 1, "minItems", 1,
+                         "uniqueItems", 1);
     case VALUE_FACES:
         return json_pack("{s[{ss} o]}", "oneOf", "const", "all",
                          list_schema(json_pack("{ss si}", "type", "integer", "minimum", 0), 1));
@@ -123,6 +133,7 @@ static json_t *value_schema(schema_maker *maker, const grammar_key *key)
         return json_pack("{ss s{ss si si} si si}", "type", "array", "items", "type", "integer", "minimum", 8, "maximum",
                          256, "minItems", 3, "maxItems", 3);
     case VALUE_INDEX: return json_pack("{ss si}", "type", "integer", "minimum", 0);
+    case VALUE_FLAG: return json_pack("{ss}", "type", "boolean");
     case VALUE_MATRIX:
         return json_pack("{ss s{ss s{ss} si si} si si}", "type", "array", "items", "type", "array", "items", "type",
                          "number", "minItems", 4, "maxItems", 4, "minItems", 3, "maxItems", 4);
@@ -206,9 +217,13 @@ static const char *word_of(value_kind kind)
     case VALUE_POINTS: return "list of points";
     case VALUE_LINE: return "list of two or more points";
     case VALUE_LINES: return "list of lists of points";
+    case VALUE_CURVE: return "list of two or more `[a, b]`";
+    case VALUE_CURVES: return "list of lists of `[a, b]`";
+    case VALUE_NAMES: return "list of names";
     case VALUE_FACES: return "`\"all\"` or list of indices";
     case VALUE_SIZES: return "`[r, s, t]`";
     case VALUE_INDEX: return "whole number from 0";
+    case VALUE_FLAG: return "true or false";
     case VALUE_MATRIX: return "rows of a matrix";
     case VALUE_INPUT: return "node, number or colour";
     case VALUE_INPUTS: return "node, number or colour, or list of these";

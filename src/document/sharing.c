@@ -40,6 +40,8 @@ static void drop_locator(void *what) { pith_locator_destroy(what); }
 static void drop_vectors(void *what) { pith_volume_field_destroy(what); }
 static void drop_exemplar(void *what) { pith_grid_destroy(what); }
 static void drop_solid(void *what) { pith_solid_destroy(what); }
+static void drop_surfaces(void *what) { body_surfaces_destroy(what); }
+static void drop_diffusion(void *what) { pith_diffusion_destroy(what); }
 static void drop_part(void *what) { pith_part_destroy(what); }
 
 /* Where a stage is, which key says what it was made from, and the stage it borrows (itself: none). */
@@ -61,6 +63,8 @@ static const struct stage_row {
     ROW(STAGE_SCALE, scale, scale, pith_free, STAGE_SCALE),
     ROW(STAGE_EXEMPLAR, exemplar, exemplar, drop_exemplar, STAGE_EXEMPLAR),
     ROW(STAGE_FILL, fill, patches, drop_solid, STAGE_TETS),
+    ROW(STAGE_SURFACES, surfaces, surfaces, drop_surfaces, STAGE_SURFACES),
+    ROW(STAGE_DIFFUSION, diffusion, diffusion, drop_diffusion, STAGE_DIFFUSION),
     ROW(STAGE_SOLID, solid, solid, drop_solid, STAGE_TETS),
     ROW(STAGE_PAINTED, painted, painted, pith_free, STAGE_PAINTED),
     ROW(STAGE_FACES, faces, tets, pith_free, STAGE_FACES),

@@ -200,6 +200,22 @@ static uint64_t hash_turned(const document_turned *turned, uint64_t hash)
     return hash_options(&document_turned_params, &turned->options, hash);
 }
 
+/* Of the surfaces but for the body's own, on which they may lie; without any it is nothing that matters. */
+static pith_status hash_surfaces(const document_body *body, uint64_t *hash, pith_error *err)
+{
+    *hash = pith_hash_bytes(&body->sketch.hash, sizeof body->sketch.hash, *hash);
+    if (body->placed) *hash = hash_options(&pith_placement_params, &body->placement, *hash);
+    for (size_t i = 0; i < body->surface_count; ++i)
+        if (body->surfaces[i].file) PITH_TRY(hash_file(body->surfaces[i].file, hash, err));
+    return PITH_OK;
+}
+
+static uint64_t hash_diffusion(const document_solid *solid, uint64_t hash)
+{
+    hash = pith_hash_bytes(solid->surfaces, solid->surface_count * sizeof *solid->surfaces, hash);
+    return pith_mix64(hash);
+}
+
 static pith_status hash_form(const document_body *body, uint64_t *hash, pith_error *err)
 {
     if (body->placed) *hash = hash_options(&pith_placement_params, &body->placement, *hash);
@@ -274,8 +290,14 @@ pith_status stage_keys_of(const document_body *body, stage_keys *keys, pith_erro
 {
     stage_keys made;
     const uint64_t start = pith_mix64(STAGE_VERSION);
-    made.mesh = made.exemplar = made.patches = start;
-    PITH_TRY(hash_form(body, &made.mesh, err));
+    made.mesh = made.exemplar = made.patches = made.surfaces = start;
+    PITH_TRY(hash_surfaces(body, &made.surfaces, err));
+    if (body->shape == SHAPE_SURFACES) {
+        made.mesh = pith_hash_bytes(body->bounds, body->bound_count * sizeof *body->bounds, made.surfaces);
+    } else {
+        PITH_TRY(hash_form(body, &made.mesh, err));
+        made.surfaces = pith_hash_bytes(&made.mesh, sizeof made.mesh, made.surfaces);
+    }
     made.painted = hash_constraints(body, made.mesh);
     made.tets = hash_tets(body, made.mesh);
     made.voxels = hash_vectors(&body->vectors, made.mesh);
@@ -294,6 +316,11 @@ pith_status stage_keys_of(const document_body *body, stage_keys *keys, pith_erro
     if (solid && solid->kind == SOLID_GRID) {
         PITH_TRY(hash_file(solid->grid_file, &made.solid, err));
         made.solid = hash_options(&document_grid_params, &solid->grid, made.solid);
+    }
+    made.diffusion = made.surfaces;
+    if (solid && solid->kind == SOLID_DIFFUSION) {
+        made.diffusion = hash_diffusion(solid, made.surfaces);
+        made.solid = hash_options(&pith_diffusion_params, &solid->diffusion, made.diffusion);
     }
     if (solid && solid->kind == SOLID_PROCEDURAL) PITH_TRY(hash_graph(&solid->graph, &made, err));
     *keys = made;

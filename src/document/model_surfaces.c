@@ -1,0 +1,395 @@
+/* The surfaces of a body that colours flow between: drawn, varied, erased, painted, strewn with grains, and placed. */
+#include "model_internal.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* A surface on its way. The drawn mesh is where it was drawn, and the other where it stands after variation; vertex i of
+   the one is vertex i of the other. */
+typedef struct made_surface {
+    pith_mesh *drawn, *mesh;
+    float (*front)[4], (*back)[4];  /* [vertex_count]; back is NULL when the surface has one colour */
+    double *blur;                   /* [vertex_count], or NULL */
+} made_surface;
+
+struct body_surfaces {
+    made_surface *items;            /* [count] */
+    pith_diffusion_surface *views;  /* [count] of them */
+    size_t count;
+};
+
+static void surface_clear(made_surface *gone)
+{
+    if (gone->mesh != gone->drawn) pith_mesh_destroy(gone->mesh);
+    pith_mesh_destroy(gone->drawn);
+    pith_free(gone->front);
+    pith_free(gone->back);
+    pith_free(gone->blur);
+}
+
+void body_surfaces_destroy(body_surfaces *gone)
+{
+    if (!gone) return;
+    for (size_t i = 0; gone->items && i < gone->count; ++i) surface_clear(&gone->items[i]);
+    pith_free(gone->items);
+    pith_free(gone->views);
+    pith_free(gone);
+}
+
+/* ---- form ------------------------------------------------------------------------------------------------------------ */
+
+/* The mesh with its vertices where the ends lie on `positions`; what erasing left of another surface of the same
+   connectivity. */
+static pith_status carry_over(const pith_mesh *left, const pith_erased *ends, const pith_vec3 *positions,
+                              pith_mesh **moved, pith_error *err)
+{
+    pith_mesh_view view = pith_mesh_look(left);
+    pith_vec3 *places = pith_alloc(view.vertex_count, sizeof *places);
+    if (!places) return PITH_OUT_OF_MEMORY(err, "a surface");
+    for (uint32_t v = 0; v < view.vertex_count; ++v)
+        places[v] = pith_lerp(positions[ends[v].from], positions[ends[v].to], ends[v].at);
+    view.positions = places;
+    view.normals = NULL;
+    const pith_status status = pith_mesh_create(&view, moved, err);
+    pith_free(places);
+    return status;
+}
+
+/* Takes away what the surface's entries of "erase" say, of the drawn mesh and of the other in the same way. */
+static pith_status erase_parts(const document_surface *from, made_surface *at, pith_error *err)
+{
+    if (from->erase_count == 0) return PITH_OK;
+    pith_mesh *left = NULL, *moved = NULL;
+    pith_erased *ends = NULL;
+    PITH_TRY(pith_mesh_erase(at->drawn, from->erase, from->erase_count, &left, &ends, err));
+    pith_status status = PITH_OK;
+    if (at->mesh == at->drawn) moved = left;
+    else status = carry_over(left, ends, pith_mesh_look(at->mesh).positions, &moved, err);
+    pith_free(ends);
+    if (status != PITH_OK) {
+        pith_mesh_destroy(left);
+        return status;
+    }
+    if (at->mesh != at->drawn) pith_mesh_destroy(at->mesh);
+    pith_mesh_destroy(at->drawn);
+    at->drawn = left;
+    at->mesh = moved;
+    return PITH_OK;
+}
+
+static pith_status draw_feature(const document_body *body, const document_surface *from, const pith_sketch *varied,
+                                made_surface *to, pith_error *err)
+{
+    PITH_TRY(pith_sketch_surface(&body->sketch.drawn, from->feature, &to->drawn, err));
+    if (!varied) {
+        to->mesh = to->drawn;
+        return PITH_OK;
+    }
+    return pith_sketch_surface(varied, from->feature, &to->mesh, err);
+}
+
+/* The vertices of the surface that brushes meet; NULL without brushes. */
+static pith_status mark_region(const document_body *body, const document_surface *from, const pith_mesh_view *drawn,
+                               bool **marked, pith_error *err)
+{
+    *marked = NULL;
+    if (from->region_count == 0) return PITH_OK;
+    *marked = pith_alloc(drawn->vertex_count, sizeof **marked);
+    if (!*marked) return PITH_OUT_OF_MEMORY(err, "a region");
+    for (size_t i = 0; i < from->region_count; ++i)
+        pith_brush_mark(&from->region[i], &body->sketch.drawn, drawn, *marked);
+    return PITH_OK;
+}
+
+/* Grains over a surface made before. The grain itself is `grain`, on which paint goes; `copies` says how often. */
+static pith_status strew_grains(const document_body *body, const document_surface *from, const made_surface *on,
+                                const pith_mesh *grain, made_surface *to, size_t *copies, pith_error *err)
+{
+    const pith_mesh_view drawn = pith_mesh_look(on->drawn), base = pith_mesh_look(on->mesh);
+    bool *marked = NULL;
+    pith_grain *grains = NULL;
+    pith_status status = mark_region(body, from, &drawn, &marked, err);
+    if (status == PITH_OK) status = pith_mesh_grains(&base, marked, &from->grains, &grains, copies, err);
+    if (status == PITH_OK && *copies == 0)
+        status = pith_fail(err, PITH_BAD_DOCUMENT, "not one grain has room; the region holds no whole triangle of "
+                           "\"%s\": widen a brush, or give that surface more samples", body->surfaces[from->on].name);
+    if (status == PITH_OK) status = pith_grains_mesh(grain, grains, *copies, &to->drawn, err);
+    to->mesh = to->drawn;
+    pith_free(marked);
+    pith_free(grains);
+    return status;
+}
+
+/* ---- colours --------------------------------------------------------------------------------------------------------- */
+
+/* What is painted of one surface: values by channel, [channels][vertices], and where they are fixed. */
+typedef struct coat { bool *fixed; double *values; uint32_t channels; } coat;
+
+static pith_status coat_make(coat *made, uint32_t channels, uint32_t vertices, const double *base, pith_error *err)
+{
+    made->channels = channels;
+    made->fixed = pith_alloc(vertices, sizeof *made->fixed);
+    made->values = pith_alloc((size_t)channels * vertices, sizeof *made->values);
+    if (!made->fixed || !made->values) return PITH_OUT_OF_MEMORY(err, "paint");
+    for (uint32_t c = 0; c < channels; ++c)
+        for (uint32_t v = 0; v < vertices; ++v) made->values[(size_t)c * vertices + v] = base[c];
+    return PITH_OK;
+}
+
+static void coat_clear(coat *gone)
+{
+    pith_free(gone->fixed);
+    pith_free(gone->values);
+}
+
+static void coat_paint(coat *to, const bool *met, uint32_t vertices, const double *value)
+{
+    for (uint32_t v = 0; v < vertices; ++v) {
+        if (!met[v]) continue;
+        to->fixed[v] = true;
+        for (uint32_t c = 0; c < to->channels; ++c) to->values[(size_t)c * vertices + v] = value[c];
+    }
+}
+
+static pith_status coat_spread(coat *to, const pith_mesh_view *mesh, pith_error *err)
+{
+    bool any = false;
+    for (uint32_t v = 0; v < mesh->vertex_count; ++v) any |= to->fixed[v];
+    return any ? pith_mesh_spread(mesh, to->fixed, to->channels, to->values, err) : PITH_OK;
+}
+
+enum { COAT_FRONT, COAT_BACK, COAT_BLUR, COATS };
+
+static pith_status coats_paint(const document_body *body, const document_surface *from, const pith_mesh_view *mesh,
+                               coat coats[COATS], pith_error *err)
+{
+    const uint32_t vertices = mesh->vertex_count;
+    const double base[COATS][3] = { { from->front[0], from->front[1], from->front[2] },
+                                    { from->back[0], from->back[1], from->back[2] },
+                                    { from->look.blur } };
+    for (int k = 0; k < COATS; ++k) PITH_TRY(coat_make(&coats[k], k == COAT_BLUR ? 1 : 3, vertices, base[k], err));
+    bool *met = pith_alloc(vertices, sizeof *met);
+    if (!met) return PITH_OUT_OF_MEMORY(err, "paint");
+    for (size_t i = 0; i < from->paint_count; ++i) {
+        const document_paint *paint = &from->paint[i];
+        const double values[COATS][3] = { { paint->front[0], paint->front[1], paint->front[2] },
+                                          { paint->back[0], paint->back[1], paint->back[2] },
+                                          { paint->blur } };
+        memset(met, 0, vertices * sizeof *met);
+        pith_brush_mark(&paint->brush, &body->sketch.drawn, mesh, met);
+        if (paint->has_front) coat_paint(&coats[COAT_FRONT], met, vertices, values[COAT_FRONT]);
+        if (paint->has_back) coat_paint(&coats[COAT_BACK], met, vertices, values[COAT_BACK]);
+        if (paint->has_blur) coat_paint(&coats[COAT_BLUR], met, vertices, values[COAT_BLUR]);
+    }
+    pith_free(met);
+    for (int k = 0; k < COATS; ++k) PITH_TRY(coat_spread(&coats[k], mesh, err));
+    return PITH_OK;
+}
+
+/* Colours of one side, once for each copy of the vertices. */
+static pith_status colours_of(const coat *from, uint32_t vertices, size_t copies, float opacity, float (**colours)[4],
+                              pith_error *err)
+{
+    float(*made)[4] = pith_alloc(vertices * copies, sizeof *made);
+    if (!made) return PITH_OUT_OF_MEMORY(err, "colours");
+    for (size_t i = 0; i < vertices * copies; ++i) {
+        for (size_t c = 0; c < 3; ++c) made[i][c] = (float)from->values[c * vertices + i % vertices];
+        made[i][3] = opacity;
+    }
+    *colours = made;
+    return PITH_OK;
+}
+
+static pith_status blur_of(const coat *from, uint32_t vertices, size_t copies, double scale, double **blur,
+                           pith_error *err)
+{
+    bool any = false;
+    for (uint32_t v = 0; v < vertices; ++v) any |= from->values[v] > 0.0;
+    if (!any) return PITH_OK;
+    *blur = pith_alloc(vertices * copies, sizeof **blur);
+    if (!*blur) return PITH_OUT_OF_MEMORY(err, "blur");
+    for (size_t i = 0; i < vertices * copies; ++i) (*blur)[i] = scale * from->values[i % vertices];
+    return PITH_OK;
+}
+
+/* Colours and blur of the vertices of `painted`, which stands so often in the surface. */
+static pith_status colour_surface(const document_body *body, const document_surface *from, const pith_mesh *painted,
+                                  size_t copies, made_surface *to, pith_error *err)
+{
+    const pith_mesh_view mesh = pith_mesh_look(painted);
+    const double scale = body->placed ? body->placement.scale : 1.0;
+    const float opacity = (float)from->look.opacity;
+    coat coats[COATS] = { 0 };
+    pith_status status = coats_paint(body, from, &mesh, coats, err);
+    if (status == PITH_OK)
+        status = colours_of(&coats[COAT_FRONT], mesh.vertex_count, copies, opacity, &to->front, err);
+    if (status == PITH_OK && from->two_sided)
+        status = colours_of(&coats[COAT_BACK], mesh.vertex_count, copies, opacity, &to->back, err);
+    if (status == PITH_OK) status = blur_of(&coats[COAT_BLUR], mesh.vertex_count, copies, scale, &to->blur, err);
+    for (int k = 0; k < COATS; ++k) coat_clear(&coats[k]);
+    return status;
+}
+
+/* ---- one surface ----------------------------------------------------------------------------------------------------- */
+
+static pith_status make_grains(const document_body *body, const document_surface *from, const made_surface *on,
+                               made_surface *to, pith_error *err)
+{
+    pith_mesh *grain = NULL;
+    size_t copies = 0;
+    PITH_TRY(pith_grain_surface(&from->profile, &from->outline, from->grain.across, from->grain.along, &grain, err));
+    pith_status status = strew_grains(body, from, on, grain, to, &copies, err);
+    if (status == PITH_OK) status = colour_surface(body, from, grain, copies, to, err);
+    pith_mesh_destroy(grain);
+    return status;
+}
+
+static pith_status make_surface(pith_model *model, const document_surface *from, const pith_sketch *varied,
+                                const made_surface *before, made_surface *to, pith_error *err)
+{
+    const document_body *body = model->body;
+    switch (from->kind) {
+    case SURFACE_AROUND:
+    case SURFACE_CHAMBERS: PITH_TRY(draw_feature(body, from, varied, to, err)); break;
+    case SURFACE_GRAINS: PITH_TRY(make_grains(body, from, &before[from->on], to, err)); break;
+    case SURFACE_FILE: PITH_TRY(pith_mesh_read(from->file, &to->drawn, err)); break;
+    case SURFACE_BODY: {
+        const pith_mesh *mesh;
+        PITH_TRY(pith_model_mesh(model, &mesh, NULL, err));
+        const pith_mesh_view view = pith_mesh_look(mesh);
+        PITH_TRY(pith_mesh_create(&view, &to->drawn, err));
+    }
+    }
+    if (!to->mesh) to->mesh = to->drawn;
+    if (from->kind == SURFACE_GRAINS) return PITH_OK;
+    PITH_TRY(erase_parts(from, to, err));
+    return colour_surface(body, from, to->drawn, 1, to, err);
+}
+
+/* Surfaces stand where the body's "place" says; the body's own does already. */
+static pith_status place_surface(const document_body *body, const document_surface *from, made_surface *at,
+                                 pith_error *err)
+{
+    if (!body->placed || from->kind == SURFACE_BODY) return PITH_OK;
+    pith_mesh *placed = NULL;
+    PITH_TRY(pith_mesh_placed(at->mesh, &body->placement, &placed, err));
+    if (at->mesh != at->drawn) pith_mesh_destroy(at->mesh);
+    at->mesh = placed;
+    return PITH_OK;
+}
+
+/* ---- all of them ------------------------------------------------------------------------------------------------------ */
+
+static pith_status surface_fail(const pith_model *model, size_t index, pith_status status, pith_error *err)
+{
+    char place[40];
+    snprintf(place, sizeof place, "surfaces[%zu]", index);
+    return model_fail_at(model, status, place, NULL, NULL, err);
+}
+
+static pith_status make_surfaces(pith_model *model, body_surfaces *made, pith_error *err)
+{
+    const document_body *body = model->body;
+    const document_sketch *sketch = &body->sketch;
+    pith_varied_sketch *varied = NULL;
+    if (sketch->varied && sketch->drawn.feature_count > 0) {
+        const pith_status status = pith_sketch_vary(&sketch->drawn, &sketch->variation, &varied, err);
+        if (status != PITH_OK) return model_fail_at(model, status, "sketch.variation", NULL, NULL, err);
+    }
+    const pith_sketch *drawn = varied ? pith_varied_sketch_look(varied) : NULL;
+    pith_status status = PITH_OK;
+    for (size_t i = 0; status == PITH_OK && i < made->count; ++i) {
+        status = pith_progress_step(model->progress, (double)i / (double)made->count, "surfaces", err);
+        if (status != PITH_OK) break;
+        status = make_surface(model, &body->surfaces[i], drawn, made->items, &made->items[i], err);
+        if (status != PITH_OK) status = surface_fail(model, i, status, err);
+    }
+    /* Only now: grains lie on surfaces that have not been placed. */
+    for (size_t i = 0; status == PITH_OK && i < made->count; ++i)
+        status = place_surface(body, &body->surfaces[i], &made->items[i], err);
+    pith_varied_sketch_destroy(varied);
+    return status;
+}
+
+static void look_at_surfaces(const document_body *body, body_surfaces *made)
+{
+    for (size_t i = 0; i < made->count; ++i) {
+        const document_surface *from = &body->surfaces[i];
+        const made_surface *at = &made->items[i];
+        made->views[i] = (pith_diffusion_surface){
+            .name = from->name, .mesh = pith_mesh_look(at->mesh),
+            .front = (const float(*)[4])at->front, .back = (const float(*)[4])at->back, .blur = at->blur,
+            .hide_front = from->look.hide == HIDE_FRONT, .hide_back = from->look.hide == HIDE_BACK,
+        };
+    }
+}
+
+pith_status pith_model_surfaces(pith_model *model, const pith_diffusion_surface **surfaces, size_t *count,
+                                pith_error *err)
+{
+    PITH_TRY(model_one_body(model, err));
+    const size_t wanted = model->body->surface_count;
+    if (!model->surfaces) {
+        const double start = pith_seconds();
+        body_surfaces *made = pith_alloc(1, sizeof *made);
+        if (!made) return PITH_OUT_OF_MEMORY(err, "surfaces");
+        made->count = wanted;
+        made->items = pith_alloc(wanted, sizeof *made->items);
+        made->views = pith_alloc(wanted, sizeof *made->views);
+        pith_status status = made->items && made->views ? make_surfaces(model, made, err)
+                                                        : PITH_OUT_OF_MEMORY(err, "surfaces");
+        if (status != PITH_OK) {
+            body_surfaces_destroy(made);
+            return status;
+        }
+        look_at_surfaces(model->body, made);
+        PITH_TRY(model_hold(model, STAGE_SURFACES, made, err));
+        model_took(model, offsetof(pith_model_times, shape), start);
+    }
+    if (surfaces) *surfaces = model->surfaces->views;
+    if (count) *count = wanted;
+    return PITH_OK;
+}
+
+/* ---- the body's form, and its solid ------------------------------------------------------------------------------------ */
+
+pith_status surfaces_mesh(pith_model *model, pith_mesh **mesh, pith_error *err)
+{
+    const pith_diffusion_surface *all;
+    const document_body *body = model->body;
+    PITH_TRY(pith_model_surfaces(model, &all, NULL, err));
+    pith_mesh_view joined = { 0 };
+    for (size_t i = 0; i < body->bound_count; ++i) {
+        joined.vertex_count += all[body->bounds[i]].mesh.vertex_count;
+        joined.triangle_count += all[body->bounds[i]].mesh.triangle_count;
+    }
+    pith_vec3 *positions = pith_alloc(joined.vertex_count, sizeof *positions);
+    uint32_t(*triangles)[3] = pith_alloc(joined.triangle_count, sizeof *triangles);
+    pith_status status = positions && triangles ? PITH_OK : PITH_OUT_OF_MEMORY(err, "a shape");
+    uint32_t vertices = 0, count = 0;
+    for (size_t i = 0; status == PITH_OK && i < body->bound_count; ++i) {
+        const pith_mesh_view from = all[body->bounds[i]].mesh;
+        memcpy(positions + vertices, from.positions, from.vertex_count * sizeof *positions);
+        for (uint32_t t = 0; t < from.triangle_count; ++t, ++count)
+            for (int k = 0; k < 3; ++k) triangles[count][k] = vertices + from.triangles[t][k];
+        vertices += from.vertex_count;
+    }
+    joined.positions = positions;
+    joined.triangles = (const uint32_t(*)[3])triangles;
+    if (status == PITH_OK) status = pith_mesh_create(&joined, mesh, err);
+    pith_free(positions);
+    pith_free(triangles);
+    return status;
+}
+
+pith_status surfaces_diffusion(pith_model *model, const document_solid *solid, pith_diffusion **made, pith_error *err)
+{
+    const pith_diffusion_surface *all;
+    PITH_TRY(pith_model_surfaces(model, &all, NULL, err));
+    pith_diffusion_surface *used = pith_alloc(solid->surface_count, sizeof *used);
+    if (!used) return PITH_OUT_OF_MEMORY(err, "surfaces");
+    for (size_t i = 0; i < solid->surface_count; ++i) used[i] = all[solid->surfaces[i]];
+    const pith_status status = pith_diffusion_create(used, solid->surface_count, made, err);
+    pith_free(used);
+    return status;
+}
