@@ -86,7 +86,7 @@ extern const pith_params pith_refine_params;
 
 typedef enum pith_keep { PITH_KEEP_BOTH, PITH_KEEP_POSITIVE, PITH_KEEP_NEGATIVE } pith_keep;
 
-/** One cut of a document, along a plane or a stroke: every part there is, is cut. */
+/** One cut of a document, along a plane or a stroke: every part there is, or every part of one body, is cut. */
 typedef struct pith_cut_step {
     pith_plane plane;       /* when the stroke has no points */
     pith_cut_stroke stroke; /* borrowed */
@@ -94,6 +94,8 @@ typedef struct pith_cut_step {
     bool separate;          /* afterwards every connected body is a part of its own */
     uint32_t keep;          /* pith_keep: the sides that stay; positive is where the normal points */
     double gap;             /* when both stay: how far they are moved apart along the normal, model units */
+    bool one_body;          /* only the body of the document that has the number `body` is cut; else every body */
+    size_t body;
 } pith_cut_step;
 extern const pith_params pith_cut_step_params; /* of keep, gap and separate */
 

@@ -45,6 +45,12 @@ pith_status edit_mesh(edit *at, const pith_mesh **mesh);
 /* What cut.remove does to "parts": entries about pieces that the cut made go, and later ones count one cut less. */
 void edit_forget_cut(edit *at, size_t index);
 
+/* How the curve of a surface is edited; `pane` is read where the curve is found. */
+typedef struct curve_edit { uint32_t pane; double snap; } curve_edit;
+typedef struct smooth_edit { uint32_t pane; double amount; } smooth_edit;
+typedef struct deform_edit { uint32_t pane; double reach; } deform_edit;
+extern const pith_params document_curve_edit_params, document_smooth_edit_params, document_deform_edit_params;
+
 /* What operations do; each stands in the table in operations.c. */
 pith_status apply_depth_fill(edit *at);
 pith_status apply_depth_faces(edit *at);
@@ -66,6 +72,14 @@ pith_status apply_part_move(edit *at);
 pith_status apply_part_together(edit *at);
 pith_status apply_solid_choose(edit *at);
 pith_status apply_solid_type(edit *at);
+pith_status apply_surface_curve(edit *at);
+pith_status apply_surface_smooth(edit *at);
+pith_status apply_surface_deform(edit *at);
+pith_status apply_surface_paint(edit *at);
+pith_status apply_surface_erase(edit *at);
+pith_status apply_surface_flip(edit *at);
+pith_status apply_surface_remove(edit *at);
+pith_status apply_sketch_vary(edit *at);
 pith_status apply_set(edit *at);
 pith_status apply_remove(edit *at);
 

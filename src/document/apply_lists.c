@@ -162,7 +162,9 @@ pith_status apply_paste_remove(edit *at)
 
 pith_status apply_cut_add(edit *at)
 {
-    edit_append(at, edit_child(at, at->root, "cuts", json_array), edit_entry(at));
+    json_t *entry = edit_entry(at), *body = json_object_get(at->asked, "body");
+    if (entry && body) edit_put(at, entry, "body", json_incref(body));
+    edit_append(at, edit_child(at, at->root, "cuts", json_array), entry);
     return PITH_OK;
 }
 

@@ -4,8 +4,8 @@
 
 struct kept_mesh {
     int holders;            /* changed atomically */
-    json_t *shape;          /* what it was made from */
-    pith_document *alone;   /* a document of nothing but the shape: what else the body has may be in the middle of being
+    json_t *form;           /* what it was made from: a document of nothing but the shape */
+    pith_document *alone;   /* the same, read: what else the body has may be in the middle of being
                                edited */
     pith_model *model;      /* has made its mesh, and makes nothing else */
 };
@@ -21,25 +21,27 @@ void kept_mesh_release(kept_mesh *shared)
     if (!shared || __atomic_sub_fetch(&shared->holders, 1, __ATOMIC_ACQ_REL) > 0) return;
     pith_model_destroy(shared->model);
     pith_document_destroy(shared->alone);
-    json_decref(shared->shape);
+    json_decref(shared->form);
     pith_free(shared);
 }
 
-/* What of the body's shape decides over its faces; not its tets, which leave them as they are. */
-static json_t *form_of(const json_t *shape)
+/* What of the body decides over its faces: its shape but for the tets, which leave them as they are, and the surfaces
+   that may bound it. */
+static json_t *form_of(const json_t *body)
 {
-    json_t *form = json_deep_copy(shape);
-    json_object_del(form, "tets");
-    json_object_del(form, "refine");
-    return form;
+    json_t *shape = json_deep_copy(json_object_get(body, "shape"));
+    const bool bounded = json_object_get(shape, "surfaces");
+    json_object_del(shape, "tets");
+    json_object_del(shape, "refine");
+    return json_pack("{si so sO* sO*}", "pith", 1, "shape", shape, "sketch",
+                     bounded ? json_object_get(body, "sketch") : NULL, "surfaces",
+                     bounded ? json_object_get(body, "surfaces") : NULL);
 }
 
 static pith_status fill_mesh(kept_mesh *made, const edit *at)
 {
-    json_t *root = json_pack("{si sO}", "pith", 1, "shape", made->shape);
-    text_buffer buffer = { .failed = !root };
-    if (root) text_add_json(&buffer, root, 0);
-    json_decref(root);
+    text_buffer buffer = { 0 };
+    text_add_json(&buffer, made->form, 0);
     pith_status status = buffer.failed ? PITH_OUT_OF_MEMORY(at->in.err, "a shape")
                                        : pith_document_parse(at->path, buffer.text, buffer.length, &made->alone,
                                                              at->in.err);
@@ -52,18 +54,18 @@ static pith_status fill_mesh(kept_mesh *made, const edit *at)
 
 pith_status edit_mesh(edit *at, const pith_mesh **mesh)
 {
-    json_t *shape = form_of(json_object_get(at->body, "shape"));
-    if (!shape) return PITH_OUT_OF_MEMORY(at->in.err, "a shape");
-    if (at->mesh && json_equal(shape, at->mesh->shape)) {
-        json_decref(shape);
+    json_t *form = form_of(at->body);
+    if (!form) return PITH_OUT_OF_MEMORY(at->in.err, "a shape");
+    if (at->mesh && json_equal(form, at->mesh->form)) {
+        json_decref(form);
         return pith_model_mesh(at->mesh->model, mesh, NULL, at->in.err);
     }
     kept_mesh *made = pith_alloc(1, sizeof *made);
     if (!made) {
-        json_decref(shape);
+        json_decref(form);
         return PITH_OUT_OF_MEMORY(at->in.err, "a mesh");
     }
-    *made = (kept_mesh){ .holders = 1, .shape = shape };
+    *made = (kept_mesh){ .holders = 1, .form = form };
     const pith_status status = fill_mesh(made, at);
     if (status != PITH_OK) {
         kept_mesh_release(made);

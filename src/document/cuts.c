@@ -76,7 +76,7 @@ pith_status pith_model_set_cuts(pith_model *model, const pith_cut_step *cuts, si
 /* All that a cut does to parts; where they go afterwards does not count. */
 static uint64_t hash_cut(const pith_cut_step *cut, uint64_t hash)
 {
-    const uint64_t how[3] = { cut->keep, cut->separate, cut->stroke.count };
+    const uint64_t how[4] = { cut->keep, cut->separate, cut->stroke.count, cut->one_body ? 1 + cut->body : 0 };
     hash = pith_hash_bytes(how, sizeof how, hash);
     if (cut->stroke.count == 0) return pith_hash_bytes(&cut->plane, sizeof cut->plane, hash);
     hash = pith_hash_bytes(&cut->stroke.eye, sizeof cut->stroke.eye, hash);
@@ -120,10 +120,15 @@ static pith_vec3 cut_normal(const pith_cut_step *cut)
     return pith_unit(sum);
 }
 
-pith_vec3 cut_offset(const pith_cut_step *cut, pith_vec3 offset, bool positive)
+bool cut_is_about(const pith_model *model, const pith_cut_step *cut, size_t body)
 {
-    if (cut->keep != PITH_KEEP_BOTH || !(cut->gap > 0.0)) return offset;
-    return pith_madd(offset, cut_normal(cut), positive ? 0.5 * cut->gap : -0.5 * cut->gap);
+    return !cut->one_body || cut->body == model_number(model, body);
+}
+
+pith_vec3 cut_offset(const pith_cut_step *cut, pith_vec3 offset, piece_side side)
+{
+    if (cut->keep != PITH_KEEP_BOTH || !(cut->gap > 0.0) || side == SIDE_APART) return offset;
+    return pith_madd(offset, cut_normal(cut), side == SIDE_POSITIVE ? 0.5 * cut->gap : -0.5 * cut->gap);
 }
 
 /* A plane that misses the box of a piece, by more than rounding, needs no look at its vertices. */

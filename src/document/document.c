@@ -33,6 +33,70 @@ static pith_status build_body(pith_document *made, reader *in, const json_t *fro
     return PITH_OK;
 }
 
+/* ---- bodies like others ------------------------------------------------------------------------------------------------- */
+
+/* The object with the other's keys put over its own, in objects key by key; lists are replaced as a whole. */
+static bool put_over(json_t *object, const json_t *over)
+{
+    const char *key;
+    json_t *value;
+    json_object_foreach((json_t *)over, key, value) {
+        json_t *here = json_object_get(object, key);
+        const bool both = json_is_object(here) && json_is_object(value);
+        if (both ? !put_over(here, value) : json_object_set_new(object, key, json_deep_copy(value)) != 0) return false;
+    }
+    return true;
+}
+
+/* A body that is like one before it, in full. `in` stands there. */
+static pith_status expand_body(reader *in, const json_t *bodies, size_t index, const json_t *written, json_t **full)
+{
+    const char *like = json_string_value(json_object_get(written, "like"));
+    const char *names[64] = { NULL };
+    for (size_t i = 0; i < index; ++i) {
+        const json_t *other = json_array_get(bodies, i);
+        const char *name = json_string_value(json_object_get(other, "name"));
+        if (i < 63) names[i] = name;
+        if (strcmp(name, like) != 0) continue;
+        *full = json_deep_copy(other);
+        const bool good = *full && put_over(*full, written) && json_object_del(*full, "like") == 0;
+        if (!good) json_decref(*full);
+        return good ? PITH_OK : PITH_OUT_OF_MEMORY(in->err, "a body");
+    }
+    const char *near = pith_nearest_word(like, names);
+    reader_enter(in, "like");
+    return reader_fail(in, "no body before this one is called \"%.60s\"%s%s%s", like, near ? "; did you mean \"" : "",
+                       near ? near : "", near ? "\"?" : "");
+}
+
+/* The document with all its bodies in full; a reference of its own. The root stays as it was written. */
+static pith_status expand(reader *in, json_t *root, json_t **full)
+{
+    const grammar_key *bodies_of = grammar_document.keys;
+    while (strcmp(bodies_of->name, "bodies") != 0) ++bodies_of;
+    json_t *list = json_object_get(root, "bodies");
+    json_t *copy = json_copy(root), *bodies = list ? json_copy(list) : NULL;
+    pith_status status = copy && (bodies || !list) ? PITH_OK : PITH_OUT_OF_MEMORY(in->err, "bodies");
+    if (status == PITH_OK && bodies && json_object_set(copy, "bodies", bodies) != 0)
+        status = PITH_OUT_OF_MEMORY(in->err, "bodies");
+    for (size_t i = 0; status == PITH_OK && i < json_array_size(bodies); ++i) {
+        const json_t *written = json_array_get(list, i);
+        json_t *body = NULL;
+        const size_t length = reader_enter(in, "bodies");
+        reader_enter_at(in, i);
+        if (json_object_get(written, "like")) status = expand_body(in, bodies, i, written, &body);
+        else if (!json_object_get(written, "shape")) status = reader_fail(in, "\"shape\" is missing");
+        if (status == PITH_OK && body && json_array_set_new(bodies, i, body) != 0)
+            status = PITH_OUT_OF_MEMORY(in->err, "a body");
+        if (status == PITH_OK && body) status = grammar_check(in, body, bodies_of->inner);
+        if (status == PITH_OK) reader_leave(in, length);
+    }
+    json_decref(bodies);
+    if (status == PITH_OK) *full = copy;
+    else json_decref(copy);
+    return status;
+}
+
 static pith_status build_bodies(pith_document *made, reader *in, const json_t *root)
 {
     PITH_TRY(check_top(in, root));
@@ -55,11 +119,36 @@ static pith_status build_bodies(pith_document *made, reader *in, const json_t *r
 
 /* ---- cuts, parts and camera -------------------------------------------------------------------------------------------------- */
 
+/* The body of that name, for `in` to stand at the key "body". */
+static pith_status find_body(const pith_document *made, reader *in, const char *name, size_t *body)
+{
+    const char *names[64] = { NULL };
+    for (size_t i = 0; i < made->body_count; ++i) {
+        if (strcmp(made->bodies[i].name, name) == 0) {
+            *body = i;
+            return PITH_OK;
+        }
+        if (i < 63) names[i] = made->bodies[i].name;
+    }
+    if (!json_object_get(made->root, "bodies"))
+        return reader_fail(in, "is \"%.60s\", but the document's only body has no name; leave this out", name);
+    const char *near = pith_nearest_word(name, names);
+    return reader_fail(in, "no body is called \"%.60s\"%s%s%s", name, near ? "; did you mean \"" : "", near ? near : "",
+                       near ? "\"?" : "");
+}
+
 static pith_status build_cut(pith_document *made, reader *in, const json_t *from, pith_cut_step *to)
 {
     const json_t *plane = json_object_get(from, "plane"), *stroke = json_object_get(from, "stroke");
     json_options(from, &pith_cut_step_params, to);
     json_options(stroke, &pith_cut_stroke_params, &to->follow);
+    const json_t *body = json_object_get(from, "body");
+    to->one_body = body;
+    if (body) {
+        const size_t length = reader_enter(in, "body");
+        PITH_TRY(find_body(made, in, json_string_value(body), &to->body));
+        reader_leave(in, length);
+    }
     if (stroke) {
         to->stroke.eye = json_point(json_object_get(stroke, "eye"));
         return document_points(made, json_object_get(stroke, "points"), &to->stroke.points, &to->stroke.count, in->err);
@@ -83,24 +172,6 @@ static pith_status build_cuts(pith_document *made, reader *in, const json_t *lis
         reader_leave(in, length);
     }
     return PITH_OK;
-}
-
-/* The body of that name, for `in` to stand at the key "body". */
-static pith_status find_body(const pith_document *made, reader *in, const char *name, size_t *body)
-{
-    const char *names[64] = { NULL };
-    for (size_t i = 0; i < made->body_count; ++i) {
-        if (strcmp(made->bodies[i].name, name) == 0) {
-            *body = i;
-            return PITH_OK;
-        }
-        if (i < 63) names[i] = made->bodies[i].name;
-    }
-    if (!json_object_get(made->root, "bodies"))
-        return reader_fail(in, "is \"%.60s\", but the document's only body has no name; leave this out", name);
-    const char *near = pith_nearest_word(name, names);
-    return reader_fail(in, "no body is called \"%.60s\"%s%s%s", name, near ? "; did you mean \"" : "", near ? near : "",
-                       near ? "\"?" : "");
 }
 
 static pith_status build_part(const pith_document *made, reader *in, const json_t *from, document_part *to)
@@ -199,8 +270,12 @@ static pith_status fill_document(pith_document *made, const char *path, const ch
     PITH_TRY(grammar_check(&in, made->root, &grammar_document));
 
     const json_t *root = made->root;
+    json_t *full = NULL;
     PITH_TRY(document_text(made, json_object_get(root, "title"), &made->title, err));
-    PITH_TRY(build_bodies(made, &in, root));
+    PITH_TRY(expand(&in, made->root, &full));
+    const pith_status bodies = build_bodies(made, &in, full);
+    json_decref(full);
+    PITH_TRY(bodies);
     PITH_TRY(build_cuts(made, &in, json_object_get(root, "cuts")));
     PITH_TRY(build_parts(made, &in, json_object_get(root, "parts")));
     PITH_TRY(build_camera(made, &in, json_object_get(root, "camera")));

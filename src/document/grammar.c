@@ -318,9 +318,10 @@ const grammar grammar_cut_stroke = {
     &pith_cut_stroke_params, NAMES("eye", "points"), NULL,
 };
 static const grammar cut = {
-    "cut", "A cut of everything there is, along a plane or a stroke; cuts apply in order.",
+    "cut", "A cut of everything there is, or of one body, along a plane or a stroke; cuts apply in order.",
     KEYS({ "plane", VALUE_OBJECT, "where", &grammar_plane },
-         { "stroke", VALUE_OBJECT, "the same, drawn", &grammar_cut_stroke }),
+         { "stroke", VALUE_OBJECT, "the same, drawn", &grammar_cut_stroke },
+         { "body", VALUE_TEXT, "the only body that is cut, in documents with `bodies`; default: all", NULL }),
     &pith_cut_step_params, NULL, NAMES("plane", "stroke"),
 };
 static const grammar part = {
@@ -368,7 +369,9 @@ static const grammar volume = {
     { "finish", VALUE_OBJECT, "how its surface takes the light; left out: it mirrors nothing", &finish }
 static const grammar body_entry = {
     "body", "One of several bodies: cut and seen together, each with a form, fields and solids of its own.",
-    KEYS({ "name", VALUE_TEXT, "what the document calls it", NULL }, BODY_KEYS), NULL, NAMES("name", "shape"), NULL,
+    KEYS({ "name", VALUE_TEXT, "what the document calls it", NULL },
+         { "like", VALUE_TEXT, "the name of a body before this one: what is not said here is as there, in objects key by "
+           "key", NULL }, BODY_KEYS), NULL, NAMES("name"), NULL,
 };
 const grammar grammar_body = { "body", "", KEYS(BODY_KEYS), NULL, NULL, NULL };
 const grammar grammar_document = {

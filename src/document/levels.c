@@ -58,12 +58,14 @@ static pith_status add_wholes(pith_model *model, cut_level *level, pith_error *e
 }
 
 /* What is left of one piece. */
-static pith_status split_piece(const piece *from, size_t index, const pith_cut_step *cut, cut_level *to,
-                               pith_error *err)
+static pith_status split_piece(const pith_model *model, const piece *from, size_t index, const pith_cut_step *cut,
+                               cut_level *to, pith_error *err)
 {
     double *values = NULL;
     piece after = *from;
     after.parent = index;
+    after.side = SIDE_APART;
+    if (!cut_is_about(model, cut, from->body)) return add_piece(to, &after, err);
     PITH_TRY(piece_side_of(from, cut, &after.side, &values, err));
     if (after.side != SIDE_BOTH)
         return cut_keeps(cut, after.side == SIDE_POSITIVE) ? add_piece(to, &after, err) : PITH_OK;
@@ -80,9 +82,10 @@ static pith_status split_piece(const piece *from, size_t index, const pith_cut_s
     return status;
 }
 
-static pith_status split_level(const cut_level *from, const pith_cut_step *cut, cut_level *to, pith_error *err)
+static pith_status split_level(const pith_model *model, const cut_level *from, const pith_cut_step *cut, cut_level *to,
+                               pith_error *err)
 {
-    for (size_t i = 0; i < from->count; ++i) PITH_TRY(split_piece(&from->pieces[i], i, cut, to, err));
+    for (size_t i = 0; i < from->count; ++i) PITH_TRY(split_piece(model, &from->pieces[i], i, cut, to, err));
     return PITH_OK;
 }
 
@@ -92,6 +95,10 @@ static pith_status separate_level(const cut_level *from, cut_level *to, pith_err
     for (size_t i = 0; i < from->count; ++i) {
         pith_part **parts = NULL;
         size_t count = 0;
+        if (from->pieces[i].side == SIDE_APART) {
+            PITH_TRY(add_piece(to, &from->pieces[i], err));
+            continue;
+        }
         pith_status status = pith_part_components(from->pieces[i].part->what, &parts, &count, err);
         for (size_t k = 0; k < count; ++k) {
             if (status == PITH_OK) status = add_made(to, &from->pieces[i], parts[k], err);
@@ -104,12 +111,13 @@ static pith_status separate_level(const cut_level *from, cut_level *to, pith_err
 }
 
 /* The level after one more cut. */
-static pith_status cut_once(const cut_level *from, const pith_cut_step *cut, cut_level *to, pith_error *err)
+static pith_status cut_once(const pith_model *model, const cut_level *from, const pith_cut_step *cut, cut_level *to,
+                            pith_error *err)
 {
-    if (!cut->separate) return split_level(from, cut, to, err);
+    if (!cut->separate) return split_level(model, from, cut, to, err);
     cut_level *joined = pith_alloc(1, sizeof *joined);
     if (!joined) return PITH_OUT_OF_MEMORY(err, "pieces");
-    pith_status status = split_level(from, cut, joined, err);
+    pith_status status = split_level(model, from, cut, joined, err);
     if (status == PITH_OK) status = separate_level(joined, to, err);
     drop_level(joined);
     return status;
@@ -175,7 +183,7 @@ static pith_status next_level(pith_model *model, size_t count, holding **at, pit
     if (!made) return PITH_OUT_OF_MEMORY(err, "pieces");
     made->key = model_cut_key(model, count);
     pith_status status = count == 0 ? add_wholes(model, made, err)
-                                    : cut_once((*at)->what, &cuts->steps[count - 1], made, err);
+                                    : cut_once(model, (*at)->what, &cuts->steps[count - 1], made, err);
     if (status != PITH_OK) {
         drop_level(made);
         return count == 0 ? status : cut_fail_at(model, count - 1, status, err);
@@ -197,7 +205,7 @@ static pith_status next_states(pith_model *model, size_t count, const cut_level 
     for (size_t i = 0; count > 0 && i < level->count; ++i) {
         const piece *at = &level->pieces[i];
         after[i] = (*states)[at->parent];
-        after[i].offset = cut_offset(&model_cuts(model)->steps[count - 1], after[i].offset, at->side == SIDE_POSITIVE);
+        after[i].offset = cut_offset(&model_cuts(model)->steps[count - 1], after[i].offset, at->side);
     }
     pith_free(*states);
     *states = after;

@@ -223,6 +223,8 @@ void pith_model_destroy(pith_model *model)
 
 pith_model *model_body(pith_model *model, size_t index) { return model->body ? model : model->bodies[index]; }
 
+size_t model_number(const pith_model *model, size_t body) { return model->body ? model->index : body; }
+
 size_t pith_model_bodies(const pith_model *model) { return model->body ? 1 : model->body_count; }
 
 pith_status pith_model_body(pith_model *model, size_t index, pith_model **body, pith_error *err)

@@ -47,8 +47,8 @@ typedef struct cut_list {
     bool from_document;         /* messages name the document's place */
 } cut_list;
 
-/* Which side of a cut something is on, when it is not on both. */
-typedef enum piece_side { SIDE_NEGATIVE, SIDE_POSITIVE, SIDE_BOTH } piece_side;
+/* Which side of a cut something is on, when it is not on both; apart: the cut is about another body. */
+typedef enum piece_side { SIDE_NEGATIVE, SIDE_POSITIVE, SIDE_BOTH, SIDE_APART } piece_side;
 
 /* A part on its way through the cuts. */
 typedef struct piece {
@@ -204,6 +204,8 @@ pith_status model_build_secondary(pith_model *model, const pith_tets *tets, cons
 
 /* The body of that number, as pieces have it. */
 pith_model *model_body(pith_model *model, size_t index);
+/* Which of the document's bodies it is. */
+size_t model_number(const pith_model *model, size_t body);
 /* The cuts a model is cut by: its own, or its owner's. */
 const cut_list *model_cuts(const pith_model *model);
 void cut_list_clear(cut_list *cuts);
@@ -213,8 +215,10 @@ uint64_t model_cut_key(const pith_model *model, size_t count);
 pith_status piece_side_of(const piece *from, const pith_cut_step *cut, piece_side *side, double **values,
                           pith_error *err);
 bool cut_keeps(const pith_cut_step *cut, bool positive);
+/* Is the cut about the model's body of that number? */
+bool cut_is_about(const pith_model *model, const pith_cut_step *cut, size_t body);
 /* Where a side of a cut goes. */
-pith_vec3 cut_offset(const pith_cut_step *cut, pith_vec3 offset, bool positive);
+pith_vec3 cut_offset(const pith_cut_step *cut, pith_vec3 offset, piece_side side);
 /* The message of a failure in a cut, with its place. */
 pith_status cut_fail_at(const pith_model *model, size_t index, pith_status status, pith_error *err);
 /* Where a point is in a level: which piece, and where in which of its tets. */

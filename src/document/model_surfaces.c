@@ -47,7 +47,8 @@ static pith_status carry_over(const pith_mesh *left, const pith_erased *ends, co
     pith_vec3 *places = pith_alloc(view.vertex_count, sizeof *places);
     if (!places) return PITH_OUT_OF_MEMORY(err, "a surface");
     for (uint32_t v = 0; v < view.vertex_count; ++v)
-        places[v] = pith_lerp(positions[ends[v].from], positions[ends[v].to], ends[v].at);
+        for (int k = 0; k < 3; ++k)
+            places[v] = pith_madd(places[v], positions[ends[v].corner[k]], ends[v].weight[k]);
     view.positions = places;
     view.normals = NULL;
     const pith_status status = pith_mesh_create(&view, moved, err);

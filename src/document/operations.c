@@ -28,6 +28,28 @@ static const pith_param show_items[] = {
 };
 static const pith_params show_params = { "part.show", show_items, 1, sizeof(show_options) };
 
+static const char *const pane_words[] = { "vertical", "horizontal", NULL };
+#define PANE(options)                                                                                                  \
+    { "pane", "1", "the curve along the axis, or the one across it", PITH_PARAM_CHOICE, 0, 0, 1, offsetof(options, pane),  \
+      pane_words }
+static const pith_param curve_items[] = {
+    PANE(curve_edit),
+    { "snap", "model units", "ends of a vertical curve that are so near to the axis are moved onto it",
+      PITH_PARAM_DOUBLE, 0, 0, 1e9, offsetof(curve_edit, snap), NULL },
+};
+const pith_params document_curve_edit_params = { "surface.curve", curve_items, 2, sizeof(curve_edit) };
+static const pith_param smooth_items[] = {
+    PANE(smooth_edit),
+    { "amount", "1", "0 nothing … 1 very smooth", PITH_PARAM_DOUBLE, 0, 0.5, 1, offsetof(smooth_edit, amount), NULL },
+};
+const pith_params document_smooth_edit_params = { "surface.smooth", smooth_items, 2, sizeof(smooth_edit) };
+static const pith_param deform_items[] = {
+    PANE(deform_edit),
+    { "reach", "model units", "points farther along the curve than this stay", PITH_PARAM_DOUBLE, 0, 1e9, 1e9,
+      offsetof(deform_edit, reach), NULL },
+};
+const pith_params document_deform_edit_params = { "surface.deform", deform_items, 2, sizeof(deform_edit) };
+
 /* ---- keys that several have -------------------------------------------------------------------------------------- */
 
 static const grammar ray = {
@@ -51,6 +73,10 @@ static const grammar ray = {
     { "point", VALUE_POINT, "where the middle of its cube is, in the body", NULL },                                    \
     { "up", VALUE_POINT, "direction of its s axis, of any length but 0", NULL },                                       \
     { "along", VALUE_POINT, "direction of its t axis; made perpendicular to `up`", NULL }
+
+#define SURFACE_KEY { "surface", VALUE_TEXT, "the name of a surface", NULL }
+#define CURVE_INDEX_KEY { "index", VALUE_INDEX, "which of several horizontal curves, from 0; default: the first", NULL }
+#define CUT_BODY_KEY { "body", VALUE_TEXT, "the only body that is cut, in documents with `bodies`; default: all", NULL }
 
 /* ---- the table --------------------------------------------------------------------------------------------------- */
 
@@ -107,10 +133,10 @@ const document_operation document_operations[] = {
     { { "paste.remove", "Takes a paste away.", KEYS(BODY_KEY, SOLID_KEY, INDEX_KEY("which,")), NULL, NULL, NULL },
       apply_paste_remove, NULL, NULL },
     { { "cut.plane", "Adds a cut along a plane, after those there are.",
-        KEYS({ "plane", VALUE_OBJECT, "where", &grammar_plane }), &pith_cut_step_params, NAMES("plane"), NULL },
+        KEYS({ "plane", VALUE_OBJECT, "where", &grammar_plane }, CUT_BODY_KEY), &pith_cut_step_params, NAMES("plane"), NULL },
       apply_cut_add, NULL, NULL },
     { { "cut.stroke", "Adds a cut along a stroke drawn over the picture, after those there are.",
-        KEYS({ "stroke", VALUE_OBJECT, "where", &grammar_cut_stroke }), &pith_cut_step_params, NAMES("stroke"), NULL },
+        KEYS({ "stroke", VALUE_OBJECT, "where", &grammar_cut_stroke }, CUT_BODY_KEY), &pith_cut_step_params, NAMES("stroke"), NULL },
       apply_cut_add, NULL, NULL },
     { { "cut.remove", "Takes a cut away. Entries of `parts` about pieces right after it go too; later ones count one "
         "cut less.", KEYS(INDEX_KEY("which,")), NULL, NULL, NULL },
@@ -136,6 +162,41 @@ const document_operation document_operations[] = {
              { "type", VALUE_TEXT, "`\"0-A\"`, `\"0-B\"`, `\"0-C\"`, `\"1-A\"` or `\"1-B\"`", NULL }), NULL,
         NAMES("type"), NULL },
       apply_solid_type, NULL, NULL },
+    { { "surface.curve", "Draws a curve of a surface, in place of the one there. Points of a vertical curve left of the axis are "
+        "moved onto it.",
+        KEYS(BODY_KEY, SURFACE_KEY, CURVE_INDEX_KEY, { "points", VALUE_CURVE, "`[r, z]` or `[x, y]`", NULL }),
+        &document_curve_edit_params, NAMES("surface", "points"), NULL },
+      apply_surface_curve, NULL, NULL },
+    { { "surface.smooth", "Smooths a curve of a surface; its ends stay.",
+        KEYS(BODY_KEY, SURFACE_KEY, CURVE_INDEX_KEY), &document_smooth_edit_params, NAMES("surface"), NULL },
+      apply_surface_smooth, NULL, NULL },
+    { { "surface.deform", "Drags a point of a curve of a surface; the curve follows as rigidly as it can.",
+        KEYS(BODY_KEY, SURFACE_KEY, CURVE_INDEX_KEY,
+             { "drag", VALUE_CURVE, "two points: from where, the nearest point of the curve is taken, and where to", NULL }),
+        &document_deform_edit_params, NAMES("surface", "drag"), NULL },
+      apply_surface_deform, NULL, NULL },
+    { { "surface.paint", "Paints colours or blur on a surface.",
+        KEYS(BODY_KEY, SURFACE_KEY, { "brush", VALUE_OBJECT, "where", &grammar_brush },
+             { "front", VALUE_COLOUR, "of the front; of both sides when the surface has one colour", NULL },
+             { "back", VALUE_COLOUR, "of the back", NULL }), &document_paint_params, NAMES("surface", "brush"), NULL },
+      apply_surface_paint, NULL, NULL },
+    { { "surface.erase", "Takes away what of a surface is on one side of something drawn.",
+        KEYS(BODY_KEY, SURFACE_KEY, { "plane", VALUE_OBJECT, "a plane", &grammar_plane },
+             { "stroke", VALUE_OBJECT, "a stroke over the picture", &grammar_cut_stroke },
+             { "vertical", VALUE_CURVE, "a curve in the vertical pane, swept round the axis", NULL },
+             { "horizontal", VALUE_CURVE, "a curve in the horizontal pane, swept along the axis", NULL },
+             { "closed", VALUE_FLAG, "the curve goes on from its last point to its first", NULL }),
+        &document_erase_params, NAMES("surface"), NAMES("plane", "stroke", "vertical", "horizontal") },
+      apply_surface_erase, NULL, NULL },
+    { { "surface.flip", "Exchanges the colours of a surface's front and back.", KEYS(BODY_KEY, SURFACE_KEY), NULL,
+        NAMES("surface"), NULL },
+      apply_surface_flip, NULL, NULL },
+    { { "surface.remove", "Takes a surface away, and out of the lists of solids.", KEYS(BODY_KEY, SURFACE_KEY), NULL,
+        NAMES("surface"), NULL },
+      apply_surface_remove, NULL, NULL },
+    { { "sketch.vary", "Makes the body another individual of its kind; `remove` of `sketch.variation` takes that back.",
+        KEYS(BODY_KEY), &pith_variation_params, NULL, NULL },
+      apply_sketch_vary, NULL, NULL },
     { { "set", "Sets any key of the document. Objects on the way that are not there are made; the index after a list's "
         "last appends.",
         KEYS({ "path", VALUE_TEXT, "the key, as refusals name it: `render.samples`, `bodies[1].solids[0].exemplar`",

@@ -56,14 +56,11 @@ static bool look_in_body(size_t body, const cut_level *level, pith_vec3 at, piec
     return best > -INFINITY;
 }
 
-/* Which of the document's bodies is the model's body of that number? */
-static size_t number_in_document(const pith_model *model, size_t body) { return model->body ? model->index : body; }
-
 /* The piece that an entry is about: of the body it names, or of the first that has one there. */
 static bool find_piece(const pith_model *model, const document_part *entry, const cut_level *level, piece_place *place)
 {
     for (size_t i = 0; i < pith_model_bodies(model); ++i) {
-        if (entry->body != SIZE_MAX && entry->body != number_in_document(model, i)) continue;
+        if (entry->body != SIZE_MAX && entry->body != model_number(model, i)) continue;
         if (look_in_body(i, level, entry->at, place)) return true;
     }
     return false;

@@ -145,10 +145,12 @@ static pith_status add_closed(cut_shells *to, size_t parent, piece_side side, pi
 }
 
 /* One piece laid open by the last cut. */
-static pith_status lay_open(cut_shells *to, size_t parent, const pith_cut_step *cut, pith_error *err)
+static pith_status lay_open(const pith_model *model, cut_shells *to, size_t parent, const pith_cut_step *cut,
+                            pith_error *err)
 {
     const piece *from = &((const cut_level *)to->level->what)->pieces[parent];
     piece_side side;
+    if (!cut_is_about(model, cut, from->body)) return add_closed(to, parent, SIDE_APART, err);
     PITH_TRY(piece_side_of(from, cut, &side, &to->values[parent], err));
     if (side != SIDE_BOTH) return cut_keeps(cut, side == SIDE_POSITIVE) ? add_closed(to, parent, side, err) : PITH_OK;
     const pith_part_view view = pith_part_look(from->part->what);
@@ -192,7 +194,7 @@ static pith_status build_shells(pith_model *model, holding *level, pith_error *e
             status = add_closed(made, i, SIDE_BOTH, err);
             continue;
         }
-        status = lay_open(made, i, &cuts->steps[cuts->count - 1], err);
+        status = lay_open(model, made, i, &cuts->steps[cuts->count - 1], err);
         if (status != PITH_OK) status = cut_fail_at(model, cuts->count - 1, status, err);
     }
     if (status == PITH_OK) return holding_new(made, drop_shells, NULL, &model->shells, err);
@@ -267,7 +269,7 @@ static pith_status last_states(pith_model *model, const cut_shells *shells, cons
         const cut_shell *at = &shells->items[i];
         after[i] = before[at->parent];
         if (shells->laid_open)
-            after[i].offset = cut_offset(&cuts->steps[cuts->count - 1], after[i].offset, at->side == SIDE_POSITIVE);
+            after[i].offset = cut_offset(&cuts->steps[cuts->count - 1], after[i].offset, at->side);
     }
     if (shells->laid_open) model_apply_parts_to_shells(model, shells, after);
     *states = after;

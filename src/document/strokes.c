@@ -54,6 +54,7 @@ static pith_status check_outlines(const pith_document *made, const pith_cut_step
     for (size_t i = 0; status == PITH_OK && i < made->body_count; ++i) {
         pith_model *body;
         const pith_mesh *mesh;
+        if (cut->one_body && cut->body != i) continue;
         PITH_TRY_OR(done, pith_model_body(model, i, &body, err));
         PITH_TRY_OR(done, pith_model_mesh(body, &mesh, NULL, err));
         const pith_mesh_view seen = pith_mesh_look(mesh);

@@ -155,8 +155,31 @@ pith_status surfaces_named(pith_document *made, reader *in, const json_t *names,
     return PITH_OK;
 }
 
-static pith_status build_feature(pith_document *made, reader *in, const json_t *from, const document_surface *surface,
-                                 pith_feature *to)
+/* The oval that stands for the loops of chambers that have none: as wide as the vertical loop reaches, within its fold. */
+static pith_status default_oval(pith_document *made, const pith_sketch *sketch, const pith_curve *vertical, pith_curve *to,
+                                pith_error *err)
+{
+    enum { POINTS = 24 };
+    double low = INFINITY, high = 0.0;
+    for (size_t i = 0; i < vertical->count; ++i) {
+        low = fmin(low, vertical->points[i].x);
+        high = fmax(high, vertical->points[i].x);
+    }
+    const double folds = sketch->folds > 0 ? sketch->folds : 1.0, turn = M_PI / 180.0 * sketch->fold_angle + M_PI / folds;
+    const double middle = 0.5 * (low + high), deep = 0.5 * (high - low);
+    const double wide = folds > 2.0 ? fmin(deep, 0.75 * middle * tan(M_PI / folds)) : deep;
+    pith_vec2 *points = arena_alloc(&made->memory, POINTS, sizeof *points);
+    if (!points) return PITH_OUT_OF_MEMORY(err, "a curve");
+    for (int i = 0; i < POINTS; ++i) {
+        const double angle = 2.0 * M_PI * i / POINTS, out = middle + deep * cos(angle), beside = wide * sin(angle);
+        points[i] = (pith_vec2){ out * cos(turn) - beside * sin(turn), out * sin(turn) + beside * cos(turn) };
+    }
+    *to = (pith_curve){ points, POINTS, true };
+    return PITH_OK;
+}
+
+static pith_status build_feature(pith_document *made, reader *in, const json_t *from, const pith_sketch *sketch,
+                                 const document_surface *surface, pith_feature *to)
 {
     const json_t *one = json_object_get(from, "horizontal"), *several = json_object_get(from, "horizontals");
     const bool chambers = surface->kind == SURFACE_CHAMBERS;
@@ -165,11 +188,13 @@ static pith_status build_feature(pith_document *made, reader *in, const json_t *
     to->kind = chambers ? PITH_FEATURE_CHAMBERS : PITH_FEATURE_AROUND;
     const bool closed = chambers || json_is_true(json_object_get(from, "closed"));
     PITH_TRY(build_curve(made, json_object_get(from, "vertical"), closed, &to->vertical, in->err));
-    const size_t count = one ? 1 : json_array_size(several);
+    const size_t count = one || (chambers && !several) ? 1 : json_array_size(several);
     pith_curve *loops = arena_alloc(&made->memory, count, sizeof *loops);
     if (!loops) return PITH_OUT_OF_MEMORY(in->err, "curves");
-    for (size_t i = 0; i < count; ++i)
-        PITH_TRY(build_curve(made, one ? one : json_array_get(several, i), true, &loops[i], in->err));
+    if (chambers && !several) PITH_TRY(default_oval(made, sketch, &to->vertical, &loops[0], in->err));
+    else
+        for (size_t i = 0; i < count; ++i)
+            PITH_TRY(build_curve(made, one ? one : json_array_get(several, i), true, &loops[i], in->err));
     to->horizontal = loops;
     to->horizontal_count = count;
     return PITH_OK;
@@ -212,7 +237,7 @@ static pith_status build_surface(pith_document *made, reader *in, const json_t *
     while (strcmp(words[to->kind], json_string_value(json_object_get(from, "kind"))) != 0) ++to->kind;
     if (to->kind == SURFACE_AROUND || to->kind == SURFACE_CHAMBERS) {
         to->feature = body->sketch.drawn.feature_count++;
-        PITH_TRY(build_feature(made, in, from, to, &features[to->feature]));
+        PITH_TRY(build_feature(made, in, from, &body->sketch.drawn, to, &features[to->feature]));
     }
     if (to->kind == SURFACE_GRAINS) PITH_TRY(build_grains(made, in, from, body, to));
     if (to->kind == SURFACE_FILE) PITH_TRY(document_path(made, from, "mesh", &to->file, in->err));
