@@ -95,6 +95,19 @@ pith_cut_stroke_options pith_cut_stroke_options_default(void);
  *  O(points + count + 1 / spacing²); 40 µs for 200 points with the standard spacing. */
 pith_status pith_cut_stroke_check(const pith_cut_stroke *stroke, const pith_cut_stroke_options *options,
                                   const pith_vec3 *model, size_t count, pith_error *err);
+/** A scalar at each of these points, [count], in model units near the stroke: what pith_part_stroke_values gives at the
+ *  model's own vertices. model [model_count] as above; its outline decides how the stroke goes on, so the same model gives
+ *  the same surface whatever the points. Errors as there. O(model_count + count / spacing), parallel. */
+pith_status pith_cut_stroke_values(const pith_cut_stroke *stroke, const pith_cut_stroke_options *options,
+                                   const pith_vec3 *model, size_t model_count, const pith_vec3 *points, size_t count,
+                                   double *values, pith_error *err);
+/** Signed distances [count] of points of a plane to a curve of it through [curve_count] points, straight between them,
+ *  closed: and back to the first. Positive to the right of an open curve as it runs, which goes on straight beyond its
+ *  ends (turned aside where it would run into itself, joined where both meet); positive outside a closed one, however it
+ *  runs. PITH_BAD_ARGUMENT: fewer than two points (three of a closed one) or more than 65536, the same one twice in a row,
+ *  not finite, a curve that crosses itself or shuts in its own end. O(curve_count² + curve_count * count), parallel. */
+pith_status pith_cut_curve_distances(const pith_vec2 *curve, size_t curve_count, bool closed, const pith_vec2 *points,
+                                     size_t count, double *distances, pith_error *err);
 /** A scalar at each vertex of the part that is negative on the left and positive on the right of the stroke as seen from
  *  the eye, and 0 on the surface it sweeps (Takayama 2008 §5.1.1; thesis §5.3.1): an RBF in the plane of the picture with
  *  centres on the stroke (0) and to either side of it, kept within half its offset of the exact signed distance, so that

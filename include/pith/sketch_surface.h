@@ -23,11 +23,23 @@ typedef struct pith_erase {
                                        runs, outside of a closed one; else the other */
 } pith_erase;
 
-/** The mesh without the erased parts, divided along what was drawn; new vertices lie on edges. ends: for each vertex of
- *  the result the two vertices of the mesh it lies between (the same twice for old ones) and how far along, [vertex_count]
- *  allocated, caller frees each with pith_free; may be NULL. Unused vertices go. Vertices within 1e-6 of an edge's length
- *  of the cut are taken as on it. PITH_BAD_ARGUMENT: nothing is left, or what pith_cut_stroke_check refuses. O(triangles). */
-typedef struct pith_erased { uint32_t from, to; double at; } pith_erased;
+/** Where a vertex of what is left was: at the weighted mean of three vertices of the mesh that one of its triangles joins
+ *  (or that are the same: on an edge corner[2] is corner[0] with weight 0, at a vertex all three are it). Weights are at
+ *  least 0 and sum to 1 to rounding; attributes of the vertex are the same mean of those there. */
+typedef struct pith_erased {
+    uint32_t corner[3];
+    double weight[3];
+} pith_erased;
+
+/** The mesh without the erased parts, divided along what was drawn. Erases are made in order. New vertices lie on edges of
+ *  triangles, where what was drawn crosses them (not only where values at their ends put it); an edge that is crossed
+ *  twice is not divided. What comes within 1e-4 of an edge's length of a vertex goes through it. Triangles that lie wholly
+ *  in what was drawn stay. A surface that was manifold is so again: where what is left would hang together by a single
+ *  vertex, that vertex is doubled. Normals, colours and texture coordinates of the mesh go along.
+ *  ends: for each vertex of the result where it was, [vertex_count] allocated, caller frees with pith_free; may be NULL.
+ *  Vertices that no triangle uses go. A stroke is continued to the outline of the mesh as pith_cut_stroke_check does.
+ *  PITH_BAD_ARGUMENT: nothing is left, a plane without a normal, or what pith_cut_stroke_check or pith_curve_check
+ *  refuses, naming the erase. O(triangles) for each. */
 pith_status pith_mesh_erase(const pith_mesh *mesh, const pith_erase *erases, size_t count, pith_mesh **left,
                             pith_erased **ends, pith_error *err);
 
@@ -36,7 +48,8 @@ pith_status pith_mesh_erase(const pith_mesh *mesh, const pith_erase *erases, siz
 /** repeat: once: where the points are; folds: and in every other fold; around: all round the axis at their r and z. */
 typedef enum pith_brush_repeat { PITH_BRUSH_ONCE, PITH_BRUSH_FOLDS, PITH_BRUSH_AROUND } pith_brush_repeat;
 
-/** A stroke of a brush over a surface. */
+/** A stroke of a brush over a surface. Distances are straight through space, so that a brush reaches what lies behind
+ *  within its radius. */
 typedef struct pith_brush {
     const pith_vec3 *points;    /* [count] at least one; between them it is straight */
     size_t count;
@@ -45,14 +58,18 @@ typedef struct pith_brush {
 } pith_brush;
 extern const pith_params pith_brush_params; /* radius, repeat */
 
-/** Marks the vertices that it meets (marked [vertex_count]; others stay as they are). A brush that meets none marks the
- *  vertex nearest to its points. How many it met. O(vertices * points), parallel. */
+/** Marks the vertices that it meets (marked [vertex_count]; others stay as they are). With radius 0, and when it meets
+ *  none, it marks the nearest vertex of each point; in every fold for folds; for around all that are as near as the
+ *  nearest to 1e-9 of the mesh's size, so that rings are marked whole. sketch: whose folds count; may be NULL, then, and
+ *  when it has no folds, `folds` is as `once`. Returns how many it marked that were not marked before. O(vertices *
+ *  points), times folds; parallel. */
 size_t pith_brush_mark(const pith_brush *brush, const pith_sketch *sketch, const pith_mesh_view *mesh, bool *marked);
 
 /** Spreads values from the fixed vertices over the rest of the surface: minimises the Dirichlet energy (cotangent
- *  weights, kept above 0), which is Laplacian smoothing run to its end. values [channels][vertex_count], changed at
- *  vertices that are not fixed; components of the surface without a fixed vertex stay as they are. Never leaves the range
- *  of the fixed values. One factorisation for all channels. */
+ *  weights, Pinkall and Polthier 1993, kept above 0), which is Laplacian smoothing run to its end. values
+ *  [channels][vertex_count], changed at vertices that are not fixed; components of the surface without a fixed vertex stay
+ *  as they are. Never leaves the range of the component's fixed values. One factorisation for all channels.
+ *  PITH_BAD_ARGUMENT: a fixed value that is not finite; PITH_BAD_MESH: an index out of range. */
 pith_status pith_mesh_spread(const pith_mesh_view *mesh, const bool *fixed, uint32_t channels, double *values,
                              pith_error *err);
 
@@ -70,7 +87,8 @@ extern const pith_params pith_grains_params;
 pith_grains_options pith_grains_options_default(void);
 
 /** Where a grain stands: columns of its frame: across, along the axis of symmetry as far as the surface allows, and the
- *  surface's normal; unit and right-handed, to be scaled by `scale`. */
+ *  surface's normal (smooth between vertices); unit and right-handed, to be scaled by `scale`. Where the surface lies
+ *  across the axis, within a thousandth, `along` is what it is beside: towards the axis on top, away from it below. */
 typedef struct pith_grain { pith_vec3 origin, across, along, normal; double scale; } pith_grain;
 
 /** The grain's own surface, in its frame: x across, y along, z the normal. profile: closed loop in (z, y), as chambers'

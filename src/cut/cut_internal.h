@@ -175,6 +175,9 @@ typedef struct cut_curve {
    two sides. */
 pith_status cut_curve_make(const cut_point2 *drawn, size_t count, double spacing, const cut_box2 *view,
                            cut_curve *curve, pith_error *err);
+/* The curve through given points as they are, none the same as the one before it, straight between them; closed: and back
+   to the first. Ends are continued as above, and a closed curve is turned so that its inside is to the left. */
+pith_status cut_curve_through(const pith_vec2 *points, size_t count, bool closed, cut_curve *curve, pith_error *err);
 void cut_curve_free(cut_curve *curve);
 /* Distance to the curve, positive to the right; the stretch nearest to q and the place on it (either may be NULL). */
 double cut_curve_distance(const cut_curve *curve, cut_point2 q, uint32_t *stretch, double *place);

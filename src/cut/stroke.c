@@ -177,34 +177,26 @@ static double fade(double x, double inner, double outer)
     return t * t * (3.0 - 2.0 * t);
 }
 
-/* ---- values at the model's vertices ------------------------------------------------------------------------------ */
+/* ---- values at points -------------------------------------------------------------------------------------------- */
 
-/* What is wanted at the model's vertices, and what the RBF may still do there. */
+/* What is wanted at points, and what the RBF may still do there. */
 typedef struct field {
-    uint8_t *wanted;    /* [vertex_count] */
-    double *values;     /* [vertex_count] signed distance in the picture; at last times depth: in model units */
-    float *weight;      /* [vertex_count] of the RBF's correction */
-    float *limit;       /* [vertex_count] most that it may be */
+    const pith_vec3 *points;    /* [count] */
+    size_t count;
+    double *values;     /* [count] signed distance in the picture; at last times depth: in model units */
+    float *weight;      /* [count] of the RBF's correction */
+    float *limit;       /* [count] most that it may be */
 } field;
 
-static void field_free(field *f)
-{
-    pith_free(f->wanted);
-    pith_free(f->values);
-    pith_free(f->weight);
-    pith_free(f->limit);
-}
-
 /* Signed distances in the picture. Where the eye does not see, what the distance tends to, which needs no depth. */
-static void measure_distances(const cut_origin *model, const picture *view, const cut_curve *curve, field *f)
+static void measure_distances(const picture *view, const cut_curve *curve, field *f)
 {
-#pragma omp parallel for num_threads(pith_threads()) schedule(dynamic, 1024) if (model->vertex_count > 4096)
-    for (uint32_t i = 0; i < model->vertex_count; ++i) {
-        if (!f->wanted[i]) continue;
+#pragma omp parallel for num_threads(pith_threads()) schedule(dynamic, 1024) if (f->count > 4096)
+    for (size_t i = 0; i < f->count; ++i) {
         cut_point2 q;
         double depth, place;
         uint32_t at;
-        if (!project(view, model->positions[i], &q, &depth)) {
+        if (!project(view, f->points[i], &q, &depth)) {
             f->values[i] = cut_curve_far(curve, q);
             continue;
         }
@@ -218,109 +210,38 @@ static void measure_distances(const cut_origin *model, const picture *view, cons
     }
 }
 
-/* Adds the RBF's correction where it has one, and turns distances in the picture into distances at the vertex. */
-static pith_status correct(const cut_origin *model, const picture *view, const pith_rbf *rbf, field *f, pith_error *err)
+/* Adds the RBF's correction where it has one, and turns distances in the picture into distances at the point. */
+static pith_status correct(const picture *view, const pith_rbf *rbf, field *f, pith_error *err)
 {
-    uint32_t count = 0;
-    for (uint32_t i = 0; i < model->vertex_count; ++i) count += f->weight[i] > 0.0f;
+    size_t count = 0;
+    for (size_t i = 0; i < f->count; ++i) count += f->weight[i] > 0.0f;
     pith_vec3 *points = pith_alloc(count, sizeof *points);
     double *smooth = pith_alloc(count, sizeof *smooth);
     if (!points || !smooth) {
         pith_free(points);
         pith_free(smooth);
-        return PITH_OUT_OF_MEMORY(err, "vertices near a stroke");
+        return PITH_OUT_OF_MEMORY(err, "points near a stroke");
     }
     cut_point2 q;
     double depth;
     count = 0;
-    for (uint32_t i = 0; i < model->vertex_count; ++i)
+    for (size_t i = 0; i < f->count; ++i)
         if (f->weight[i] > 0.0f) {
-            project(view, model->positions[i], &q, &depth);
+            project(view, f->points[i], &q, &depth);
             points[count++] = pith_v3(q.x, q.y, 0);
         }
     pith_rbf_evaluate(rbf, points, count, smooth, NULL);
     count = 0;
-    for (uint32_t i = 0; i < model->vertex_count; ++i) {
-        if (!f->wanted[i]) continue;
+    for (size_t i = 0; i < f->count; ++i) {
         if (f->weight[i] > 0.0f) {
             const double change = smooth[count++] - f->values[i], limit = f->limit[i];
             f->values[i] += f->weight[i] * fmin(fmax(change, -limit), limit);
         }
-        if (project(view, model->positions[i], &q, &depth)) f->values[i] *= depth;
+        if (project(view, f->points[i], &q, &depth)) f->values[i] *= depth;
     }
     pith_free(points);
     pith_free(smooth);
     return PITH_OK;
-}
-
-/* ---- from the model to the part ---------------------------------------------------------------------------------- */
-
-/* For every vertex of the part a tet of the model that it lies in, and which of the model's vertices are needed. */
-static void find_sources(const pith_part *part, uint32_t *source, uint8_t *wanted)
-{
-    for (uint32_t i = 0; i < part->vertex_count; ++i) source[i] = PITH_NONE;
-    for (uint32_t t = 0; t < part->tet_count; ++t) {
-        const uint32_t from = part->source_tet[t];
-        for (int k = 0; k < 4; ++k) {
-            uint32_t *s = &source[part->tets[t][k]];
-            if (*s == PITH_NONE) *s = from;
-            wanted[part->origin->tets[from][k]] = 1;
-        }
-    }
-}
-
-/* The model's values, interpolated. A vertex of the model itself gets its value to the bit. */
-static void interpolate(const pith_part *part, const uint32_t *source, const double *model_values, double *values)
-{
-    const pith_vec3 *at = part->origin->positions;
-    const pith_box box = pith_box_of(at, part->origin->vertex_count);
-    const double nothing = 1e-12 * pith_distance(box.low, box.high);
-#pragma omp parallel for num_threads(pith_threads()) schedule(static) if (part->vertex_count > 4096)
-    for (uint32_t i = 0; i < part->vertex_count; ++i) {
-        values[i] = 0.0;
-        if (source[i] == PITH_NONE) continue; /* no tet uses it */
-        const uint32_t *v = part->origin->tets[source[i]];
-        const pith_vec3 p = part->material[i];
-        double w[4] = { 0.25, 0.25, 0.25, 0.25 };
-        int corner = 0;
-        while (corner < 4 && pith_distance(p, at[v[corner]]) > 0.0) ++corner;
-        if (corner < 4) {
-            values[i] = model_values[v[corner]];
-        } else {
-            pith_barycentric(at[v[0]], at[v[1]], at[v[2]], at[v[3]], p, w);
-            for (int k = 0; k < 4; ++k) values[i] += w[k] * model_values[v[k]];
-        }
-        if (fabs(values[i]) <= nothing) values[i] = 0.0;
-    }
-}
-
-/* ---- the whole --------------------------------------------------------------------------------------------------- */
-
-static pith_status stroke_field(const pith_part *part, const pith_cut_stroke *stroke,
-                                const pith_cut_stroke_options *options, const uint32_t *source, field *f,
-                                double *values, pith_error *err)
-{
-    picture view;
-    cut_curve curve = { 0 };
-    pith_rbf *rbf = NULL;
-    pith_status status = PITH_OK;
-    cut_point2 *drawn = pith_alloc(stroke->count, sizeof *drawn);
-    if (!drawn) {
-        status = PITH_OUT_OF_MEMORY(err, "a stroke's points");
-        goto done;
-    }
-    PITH_TRY_OR(done, look(stroke, &view, drawn, err));
-    const cut_box2 box = seen_box(&view, part->origin->positions, part->origin->vertex_count);
-    PITH_TRY_OR(done, cut_curve_make(drawn, stroke->count, options->spacing, &box, &curve, err));
-    PITH_TRY_OR(done, make_rbf(&curve, options, &rbf, err));
-    measure_distances(part->origin, &view, &curve, f);
-    PITH_TRY_OR(done, correct(part->origin, &view, rbf, f, err));
-    interpolate(part, source, f->values, values);
-done:
-    pith_free(drawn);
-    cut_curve_free(&curve);
-    pith_rbf_destroy(rbf);
-    return status;
 }
 
 static pith_status check_given(const pith_cut_stroke *stroke, const pith_cut_stroke_options *options, pith_error *err)
@@ -331,24 +252,136 @@ static pith_status check_given(const pith_cut_stroke *stroke, const pith_cut_str
                      stroke->points ? stroke->count : 0);
 }
 
+/* The stroke as the eye sees it, and its curve without ends. On success the curve is to be freed. */
+static pith_status make_curve(const pith_cut_stroke *stroke, const pith_cut_stroke_options *options,
+                              const pith_vec3 *model, size_t count, picture *view, cut_curve *curve, pith_error *err)
+{
+    PITH_TRY(check_given(stroke, options, err));
+    cut_point2 *drawn = pith_alloc(stroke->count, sizeof *drawn);
+    if (!drawn) return PITH_OUT_OF_MEMORY(err, "a stroke's points");
+    pith_status status = look(stroke, view, drawn, err);
+    if (status == PITH_OK) {
+        const cut_box2 box = seen_box(view, model, count);
+        status = cut_curve_make(drawn, stroke->count, options->spacing, model ? &box : NULL, curve, err);
+    }
+    pith_free(drawn);
+    return status;
+}
+
 pith_status pith_cut_stroke_check(const pith_cut_stroke *stroke, const pith_cut_stroke_options *options,
                                   const pith_vec3 *model, size_t count, pith_error *err)
 {
     if (!stroke || !options)
         return pith_fail(err, PITH_BAD_ARGUMENT, "pith_cut_stroke_check: %s is NULL", !stroke ? "stroke" : "options");
-    PITH_TRY(check_given(stroke, options, err));
     picture view;
     cut_curve curve = { 0 };
-    cut_point2 *drawn = pith_alloc(stroke->count, sizeof *drawn);
-    if (!drawn) return PITH_OUT_OF_MEMORY(err, "a stroke's points");
-    pith_status status = look(stroke, &view, drawn, err);
-    if (status == PITH_OK) {
-        const cut_box2 box = seen_box(&view, model, count);
-        status = cut_curve_make(drawn, stroke->count, options->spacing, model ? &box : NULL, &curve, err);
-    }
-    pith_free(drawn);
+    PITH_TRY(make_curve(stroke, options, model, model ? count : 0, &view, &curve, err));
     cut_curve_free(&curve);
+    return PITH_OK;
+}
+
+pith_status pith_cut_stroke_values(const pith_cut_stroke *stroke, const pith_cut_stroke_options *options,
+                                   const pith_vec3 *model, size_t model_count, const pith_vec3 *points, size_t count,
+                                   double *values, pith_error *err)
+{
+    if (!stroke || !options || !points || !values)
+        return pith_fail(err, PITH_BAD_ARGUMENT, "pith_cut_stroke_values: %s is NULL",
+                         !stroke ? "stroke" : !options ? "options" : !points ? "points" : "values");
+    picture view;
+    cut_curve curve = { 0 };
+    pith_rbf *rbf = NULL;
+    field f = { points, count, pith_alloc(count, sizeof *f.values), pith_alloc(count, sizeof *f.weight),
+                pith_alloc(count, sizeof *f.limit) };
+    pith_status status = PITH_OK;
+    if (!f.values || !f.weight || !f.limit) {
+        status = PITH_OUT_OF_MEMORY(err, "values along a stroke");
+        goto done;
+    }
+    PITH_TRY_OR(done, make_curve(stroke, options, model, model ? model_count : 0, &view, &curve, err));
+    PITH_TRY_OR(done, make_rbf(&curve, options, &rbf, err));
+    measure_distances(&view, &curve, &f);
+    PITH_TRY_OR(done, correct(&view, rbf, &f, err));
+    for (size_t i = 0; i < count; ++i) values[i] = f.values[i];
+done:
+    cut_curve_free(&curve);
+    pith_rbf_destroy(rbf);
+    pith_free(f.values);
+    pith_free(f.weight);
+    pith_free(f.limit);
     return status;
+}
+
+/* ---- from the model to the part ---------------------------------------------------------------------------------- */
+
+/* The model's vertices that a part needs, and their values. */
+typedef struct sources {
+    uint32_t *tet;      /* [part's vertices] a tet of the model that the vertex lies in; PITH_NONE: no tet uses it */
+    uint32_t *number;   /* [model's vertices] among those that are needed */
+    pith_vec3 *points;  /* [count] */
+    double *values;     /* [count] */
+    size_t count;
+} sources;
+
+static void sources_free(sources *s)
+{
+    pith_free(s->tet);
+    pith_free(s->number);
+    pith_free(s->points);
+    pith_free(s->values);
+}
+
+/* On failure s holds what was allocated. */
+static pith_status find_sources(const pith_part *part, sources *s, pith_error *err)
+{
+    const cut_origin *model = part->origin;
+    s->tet = pith_alloc(part->vertex_count, sizeof *s->tet);
+    s->number = pith_alloc(model->vertex_count, sizeof *s->number); /* first: 1 where needed */
+    if (!s->tet || !s->number) return PITH_OUT_OF_MEMORY(err, "values at the model's vertices");
+    for (uint32_t i = 0; i < part->vertex_count; ++i) s->tet[i] = PITH_NONE;
+    for (uint32_t t = 0; t < part->tet_count; ++t) {
+        const uint32_t from = part->source_tet[t];
+        for (int k = 0; k < 4; ++k) {
+            uint32_t *tet = &s->tet[part->tets[t][k]];
+            if (*tet == PITH_NONE) *tet = from;
+            s->number[model->tets[from][k]] = 1;
+        }
+    }
+    for (uint32_t i = 0; i < model->vertex_count; ++i) s->count += s->number[i];
+    s->points = pith_alloc(s->count, sizeof *s->points);
+    s->values = pith_alloc(s->count, sizeof *s->values);
+    if (!s->points || !s->values) return PITH_OUT_OF_MEMORY(err, "values at the model's vertices");
+    uint32_t next = 0;
+    for (uint32_t i = 0; i < model->vertex_count; ++i) {
+        if (!s->number[i]) continue;
+        s->points[next] = model->positions[i];
+        s->number[i] = next++;
+    }
+    return PITH_OK;
+}
+
+/* The model's values, interpolated. A vertex of the model itself gets its value to the bit. */
+static void interpolate(const pith_part *part, const sources *s, double *values)
+{
+    const pith_vec3 *at = part->origin->positions;
+    const pith_box box = pith_box_of(at, part->origin->vertex_count);
+    const double nothing = 1e-12 * pith_distance(box.low, box.high);
+#pragma omp parallel for num_threads(pith_threads()) schedule(static) if (part->vertex_count > 4096)
+    for (uint32_t i = 0; i < part->vertex_count; ++i) {
+        values[i] = 0.0;
+        if (s->tet[i] == PITH_NONE) continue; /* no tet uses it */
+        const uint32_t *v = part->origin->tets[s->tet[i]];
+        const pith_vec3 p = part->material[i];
+        double w[4] = { 0.25, 0.25, 0.25, 0.25 };
+        int corner = 0;
+        while (corner < 4 && pith_distance(p, at[v[corner]]) > 0.0) ++corner;
+        if (corner < 4) {
+            values[i] = s->values[s->number[v[corner]]];
+        } else {
+            pith_barycentric(at[v[0]], at[v[1]], at[v[2]], at[v[3]], p, w);
+            for (int k = 0; k < 4; ++k) values[i] += w[k] * s->values[s->number[v[k]]];
+        }
+        if (fabs(values[i]) <= nothing) values[i] = 0.0;
+    }
 }
 
 pith_status pith_part_stroke_values(const pith_part *part, const pith_cut_stroke *stroke,
@@ -357,19 +390,30 @@ pith_status pith_part_stroke_values(const pith_part *part, const pith_cut_stroke
     if (!part || !stroke || !options || !values)
         return pith_fail(err, PITH_BAD_ARGUMENT, "pith_part_stroke_values: %s is NULL",
                          !part ? "part" : !stroke ? "stroke" : !options ? "options" : "values");
-    PITH_TRY(check_given(stroke, options, err));
-    const uint32_t count = part->origin->vertex_count;
-    uint32_t *source = pith_alloc(part->vertex_count, sizeof *source);
-    field f = { pith_alloc(count, sizeof *f.wanted), pith_alloc(count, sizeof *f.values),
-                pith_alloc(count, sizeof *f.weight), pith_alloc(count, sizeof *f.limit) };
-    pith_status status = PITH_OK;
-    if (source && f.wanted && f.values && f.weight && f.limit) {
-        find_sources(part, source, f.wanted);
-        status = stroke_field(part, stroke, options, source, &f, values, err);
-    } else {
-        status = PITH_OUT_OF_MEMORY(err, "values at the model's vertices");
-    }
-    pith_free(source);
-    field_free(&f);
+    const cut_origin *model = part->origin;
+    sources s = { 0 };
+    pith_status status = find_sources(part, &s, err);
+    if (status == PITH_OK)
+        status = pith_cut_stroke_values(stroke, options, model->positions, model->vertex_count, s.points, s.count,
+                                        s.values, err);
+    if (status == PITH_OK) interpolate(part, &s, values);
+    sources_free(&s);
     return status;
+}
+
+/* ---- curves of a plane ------------------------------------------------------------------------------------------- */
+
+pith_status pith_cut_curve_distances(const pith_vec2 *curve, size_t curve_count, bool closed, const pith_vec2 *points,
+                                     size_t count, double *distances, pith_error *err)
+{
+    if (!curve || !points || !distances)
+        return pith_fail(err, PITH_BAD_ARGUMENT, "pith_cut_curve_distances: %s is NULL",
+                         !curve ? "curve" : !points ? "points" : "distances");
+    cut_curve made;
+    PITH_TRY(cut_curve_through(curve, curve_count, closed, &made, err));
+#pragma omp parallel for num_threads(pith_threads()) schedule(dynamic, 256) if (count > 1024)
+    for (size_t i = 0; i < count; ++i)
+        distances[i] = cut_curve_distance(&made, (cut_point2){ points[i].x, points[i].y }, NULL, NULL);
+    cut_curve_free(&made);
+    return PITH_OK;
 }

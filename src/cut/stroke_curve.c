@@ -294,6 +294,57 @@ failed:
     return status;
 }
 
+/* Twice the area inside a closed curve, positive where it is to the left. */
+static double enclosed(const cut_curve *curve)
+{
+    double area = 0.0;
+    for (uint32_t i = 0; i < curve->point_count; ++i)
+        area += cross(minus(curve->points[i], curve->points[0]), minus(segment_end(curve, i), curve->points[0]));
+    return area;
+}
+
+static pith_status check_points(const pith_vec2 *points, size_t count, bool closed, pith_error *err)
+{
+    enum { MOST = 1 << 16 }; /* each is compared with each */
+    const size_t least = closed ? 3 : 2;
+    if (count < least || count > MOST)
+        return pith_fail(err, PITH_BAD_ARGUMENT, "the curve has %zu points, expected %zu to %d", count, least, (int)MOST);
+    for (size_t i = 0; i < count; ++i) {
+        const size_t next = (i + 1) % count;
+        if (!(isfinite(points[i].x) && isfinite(points[i].y)))
+            return pith_fail(err, PITH_BAD_ARGUMENT, "point %zu of the curve is (%g, %g); all must be finite", i,
+                             points[i].x, points[i].y);
+        if ((closed || next) && points[i].x == points[next].x && points[i].y == points[next].y)
+            return pith_fail(err, PITH_BAD_ARGUMENT, "points %zu and %zu of the curve are the same, (%g, %g); give it "
+                             "once", i, next, points[i].x, points[i].y);
+    }
+    return PITH_OK;
+}
+
+pith_status cut_curve_through(const pith_vec2 *points, size_t count, bool closed, cut_curve *curve, pith_error *err)
+{
+    PITH_TRY(check_points(points, count, closed, err));
+    *curve = (cut_curve){ .closed = closed, .point_count = (uint32_t)count };
+    pith_status status = PITH_OK;
+    curve->points = pith_alloc(count + 1, sizeof *curve->points); /* one more where the ends are joined */
+    if (!curve->points) return PITH_OUT_OF_MEMORY(err, "a curve's points");
+    for (size_t i = 0; i < count; ++i) curve->points[i] = (cut_point2){ points[i].x, points[i].y };
+    PITH_TRY_OR(failed, check_simple(curve, err));
+    if (closed) {
+        if (enclosed(curve) < 0.0) reverse(curve->points, curve->point_count);
+    } else {
+        const uint32_t last = curve->point_count - 1;
+        curve->away[0] = unit(minus(curve->points[0], curve->points[1]));
+        curve->away[1] = unit(minus(curve->points[last], curve->points[last - 1]));
+        PITH_TRY_OR(failed, continue_ends(curve, NULL, err));
+    }
+    PITH_TRY_OR(failed, make_stretches(curve, err));
+    return PITH_OK;
+failed:
+    cut_curve_free(curve);
+    return status;
+}
+
 void cut_curve_free(cut_curve *curve)
 {
     pith_free(curve->points);
@@ -335,12 +386,7 @@ double cut_curve_distance(const cut_curve *curve, cut_point2 q, uint32_t *stretc
 
 double cut_curve_far(const cut_curve *curve, cut_point2 q)
 {
-    if (curve->closed) {
-        double area = 0.0;
-        for (uint32_t i = 0; i < curve->point_count; ++i)
-            area += cross(minus(curve->points[i], curve->points[0]), minus(segment_end(curve, i), curve->points[0]));
-        return copysign(length(q), area); /* counter-clockwise: the inside is to the left */
-    }
+    if (curve->closed) return copysign(length(q), enclosed(curve)); /* counter-clockwise: the inside is to the left */
     cut_stretch ends[2] = { curve->stretches[0], curve->stretches[curve->count - 1] };
     ends[0].from = ends[1].from = (cut_point2){ 0, 0 };
     set_joint(&ends[0], &ends[1]);
