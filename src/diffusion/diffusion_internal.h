@@ -27,6 +27,11 @@ typedef struct sheets {
     size_t vertex_room, normal_room, triangle_room, side_room, edge_room;
 } sheets;
 
+/* How messages call a surface: its name in quotes, or its number. */
+enum { SURFACE_TITLE = 80 };
+void surface_title(const pith_diffusion_surface *surface, size_t number, char title[SURFACE_TITLE]);
+/* Colours and blur in their ranges, and a side that is seen. */
+pith_status surface_check_values(const pith_diffusion_surface *surface, const char *title, pith_error *err);
 /* Checks a surface and adds its sheets. `number` stands for its name in messages when it has none. */
 pith_status sheets_add(sheets *all, const pith_diffusion_surface *surface, size_t number, pith_error *err);
 void sheets_free(sheets *all);

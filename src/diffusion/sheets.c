@@ -7,8 +7,8 @@
 /* ---- a surface as it is worked on ---------------------------------------------------------------------------------- */
 
 typedef struct piece {
-    char name[80];   /* for messages */
-    pith_mesh *mesh; /* our copy, checked */
+    char name[SURFACE_TITLE]; /* for messages */
+    pith_mesh *mesh;          /* our copy, checked */
     pith_mesh_view view;
     pith_vec3 *normals; /* [vertex_count] */
     pith_vec3 *face;    /* [triangle_count] unit, zero without area */
@@ -160,9 +160,10 @@ static void find_normals(piece *own)
 /* Sums of colours stay far from the end of what floats hold. */
 #define MOST_COLOUR 1e6f
 
-static pith_status check_colours(const piece *own, const float (*colours)[4], const char *side, pith_error *err)
+static pith_status check_colours(const char *name, const float (*colours)[4], uint32_t count, const char *side,
+                                 pith_error *err)
 {
-    for (uint32_t v = 0; colours && v < own->view.vertex_count; ++v) {
+    for (uint32_t v = 0; colours && v < count; ++v) {
         const float *c = colours[v];
         if (!(fabsf(c[0]) <= MOST_COLOUR && fabsf(c[1]) <= MOST_COLOUR && fabsf(c[2]) <= MOST_COLOUR && c[3] >= 0.0f &&
               c[3] <= 1.0f))
@@ -170,8 +171,32 @@ static pith_status check_colours(const piece *own, const float (*colours)[4], co
                 err, PITH_BAD_ARGUMENT,
                 "diffusion surface %s: the %s of vertex %u has the colour (%g, %g, %g, %g); colours must be "
                 "finite and at most %g in size, with an opacity of 0 to 1",
-                own->name, side, v, c[0], c[1], c[2], c[3], (double)MOST_COLOUR);
+                name, side, v, c[0], c[1], c[2], c[3], (double)MOST_COLOUR);
     }
+    return PITH_OK;
+}
+
+void surface_title(const pith_diffusion_surface *surface, size_t number, char title[SURFACE_TITLE])
+{
+    if (surface->name)
+        snprintf(title, SURFACE_TITLE, "\"%s\"", surface->name);
+    else
+        snprintf(title, SURFACE_TITLE, "%zu", number);
+}
+
+pith_status surface_check_values(const pith_diffusion_surface *surface, const char *title, pith_error *err)
+{
+    const uint32_t count = surface->mesh.vertex_count;
+    if (surface->hide_front && surface->hide_back)
+        return pith_fail(err, PITH_BAD_ARGUMENT,
+                         "diffusion surface %s has both its sides hidden; show one or leave the surface out", title);
+    PITH_TRY(check_colours(title, surface->front, count, "front", err));
+    PITH_TRY(check_colours(title, surface->back, count, "back", err));
+    for (uint32_t v = 0; surface->blur && v < count; ++v)
+        if (!(surface->blur[v] >= 0.0 && isfinite(surface->blur[v])))
+            return pith_fail(err, PITH_BAD_ARGUMENT,
+                             "diffusion surface %s: the blur of vertex %u is %g, expected a length of 0 or more", title,
+                             v, surface->blur[v]);
     return PITH_OK;
 }
 
@@ -180,12 +205,7 @@ static pith_status take_colours(piece *own, const pith_diffusion_surface *from, 
     if (!from->front && !from->back)
         return pith_fail(err, PITH_BAD_ARGUMENT,
                          "diffusion surface %s has no colour, neither on its front nor on its back", own->name);
-    if (from->hide_front && from->hide_back)
-        return pith_fail(err, PITH_BAD_ARGUMENT,
-                         "diffusion surface %s has both its sides hidden; show one or leave the surface out",
-                         own->name);
-    PITH_TRY(check_colours(own, from->front, "front", err));
-    PITH_TRY(check_colours(own, from->back, "back", err));
+    PITH_TRY(surface_check_values(from, own->name, err));
     for (uint32_t v = 0; v < own->view.vertex_count; ++v) {
         paint *c = own->colours[v];
         memcpy(&c[0], from->front ? from->front[v] : from->back[v], sizeof c[0]);
@@ -249,11 +269,6 @@ static pith_status check_blur(const piece *own, pith_error *err)
 static pith_status take_blur(piece *own, const pith_diffusion_surface *from, pith_error *err)
 {
     if (!from->blur) return PITH_OK;
-    for (uint32_t v = 0; v < own->view.vertex_count; ++v)
-        if (!(from->blur[v] >= 0.0 && isfinite(from->blur[v])))
-            return pith_fail(err, PITH_BAD_ARGUMENT,
-                             "diffusion surface %s: the blur of vertex %u is %g, expected a length of 0 or more",
-                             own->name, v, from->blur[v]);
     memcpy(own->blur, from->blur, own->view.vertex_count * sizeof *own->blur);
     PITH_TRY(check_blur(own, err));
     if (from->hide_front || from->hide_back) memset(own->blur, 0, own->view.vertex_count * sizeof *own->blur);
@@ -376,10 +391,7 @@ static pith_status prepare(piece *own, const pith_diffusion_surface *surface, pi
 pith_status sheets_add(sheets *all, const pith_diffusion_surface *surface, size_t number, pith_error *err)
 {
     piece own = { 0 };
-    if (surface->name)
-        snprintf(own.name, sizeof own.name, "\"%s\"", surface->name);
-    else
-        snprintf(own.name, sizeof own.name, "%zu", number);
+    surface_title(surface, number, own.name);
     pith_status status = prepare(&own, surface, err);
     if (status == PITH_OK) status = add_sheets(all, &own, err);
     piece_free(&own);

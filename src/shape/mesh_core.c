@@ -167,24 +167,29 @@ static const struct {
 };
 enum { FORMAT_COUNT = sizeof formats / sizeof *formats };
 
+mesh_reader *mesh_reader_of(const char *name, const char *format, pith_error *err)
+{
+    for (size_t f = 0; f < FORMAT_COUNT; ++f)
+        if (strcasecmp(format, formats[f].extension) == 0) return formats[f].read;
+    pith_fail(err, PITH_BAD_FILE, "%s: \"%s\" is no mesh format that can be read; use obj, ply, stl, off or glb", name,
+              format);
+    return NULL;
+}
+
 pith_status pith_mesh_parse(const char *name, const char *format, const void *bytes, size_t size, pith_mesh **mesh,
                             pith_error *err)
 {
     if (!bytes) return pith_fail(err, PITH_BAD_ARGUMENT, "%s: no bytes to read (NULL)", name);
-    for (size_t f = 0; f < FORMAT_COUNT; ++f) {
-        if (strcasecmp(format, formats[f].extension) != 0) continue;
-        mesh_builder builder = { .name = name };
-        pith_status status = formats[f].read(&builder, bytes, size, err);
-        if (status == PITH_OK) status = mesh_builder_finish(&builder, mesh, err);
-        mesh_builder_free(&builder);
-        return status;
-    }
-    return pith_fail(err, PITH_BAD_FILE, "%s: \"%s\" is no mesh format that can be read; use obj, ply, stl, off or glb",
-                     name, format);
+    mesh_reader *read = mesh_reader_of(name, format, err);
+    if (!read) return PITH_BAD_FILE;
+    mesh_builder builder = { .name = name };
+    pith_status status = read(&builder, bytes, size, err);
+    if (status == PITH_OK) status = mesh_builder_finish(&builder, mesh, err);
+    mesh_builder_free(&builder);
+    return status;
 }
 
-/* The extension from the format table that the path ends with, or NULL. */
-static const char *known_extension(const char *path)
+const char *mesh_known_extension(const char *path)
 {
     for (size_t f = 0; f < FORMAT_COUNT; ++f)
         if (pith_path_has_extension(path, formats[f].extension)) return formats[f].extension;
@@ -193,7 +198,7 @@ static const char *known_extension(const char *path)
 
 pith_status pith_mesh_read(const char *path, pith_mesh **mesh, pith_error *err)
 {
-    const char *format = known_extension(path);
+    const char *format = mesh_known_extension(path);
     if (!format)
         return pith_fail(err, PITH_BAD_FILE, "%s: a mesh file must end in .obj, .ply, .stl, .off or .glb", path);
     unsigned char *bytes;

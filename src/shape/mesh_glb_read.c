@@ -16,7 +16,9 @@ typedef struct glb_file {
     json_t *root;
     const unsigned char *buffer; /* the binary chunk */
     uint64_t buffer_size;
-    mesh_builder *builder;
+    mesh_builder *builder; /* what vertices and triangles go into */
+    mesh_part_list *parts; /* NULL: all into one builder; else each node begins a part */
+    uint64_t placed;       /* vertices of all nodes so far */
     pith_error *err;
 } glb_file;
 
@@ -276,10 +278,38 @@ static pith_vec3 transform_normal(const affine *a, pith_vec3 n)
     return pith_scale(pith_v3(pith_dot(x, n), pith_dot(y, n), pith_dot(z, n)), determinant(a) < 0.0 ? -1.0 : 1.0);
 }
 
-static pith_status add_vertices(const glb_file *glb, const glb_attributes *from, const affine *place)
+/* Attributes of an application's own begin with '_'; those of the vertices from `base` on. */
+static pith_status add_named(const glb_file *glb, const json_t *primitive, uint32_t count, size_t base)
+{
+    const char *key;
+    json_t *value;
+    json_object_foreach(json_object_get(primitive, "attributes"), key, value)
+    {
+        glb_accessor from;
+        if (key[0] != '_') continue;
+        PITH_TRY(find_attribute(glb, primitive, key, 1, 4, &from));
+        if (from.count != count)
+            return pith_fail(glb->err, PITH_BAD_FILE, "%s: attribute %s has %u elements for %u vertices", glb->name,
+                             key, from.count, count);
+        mesh_named *named = glb->builder->named;
+        const uint32_t which =
+            mesh_named_find(named, key, from.components, from.type == TYPE_F32 ? PITH_PART_FLOAT : PITH_PART_WHOLE);
+        bool kept = which != PITH_NONE;
+        for (uint32_t i = 0; kept && i < count; ++i) {
+            double values[4];
+            for (uint32_t k = 0; k < from.components; ++k) values[k] = component(&from, i, k);
+            kept = mesh_named_set(named, which, base + i, values);
+        }
+        if (!kept) return PITH_OUT_OF_MEMORY(glb->err, glb->name);
+    }
+    return PITH_OK;
+}
+
+static pith_status add_vertices(glb_file *glb, const glb_attributes *from, const affine *place)
 {
     mesh_builder *builder = glb->builder;
-    if (builder->vertex_count + from->position.count > MOST_VERTICES)
+    glb->placed += from->position.count;
+    if (glb->placed > MOST_VERTICES)
         return pith_fail(glb->err, PITH_BAD_FILE, "%s: its nodes place more than %d vertices", glb->name,
                          MOST_VERTICES);
     builder->normals |= from->normal.count > 0;
@@ -332,7 +362,7 @@ static pith_status add_triangles(const glb_file *glb, const glb_accessor *indice
     return PITH_OK;
 }
 
-static pith_status add_primitive(const glb_file *glb, const json_t *primitive, const affine *place)
+static pith_status add_primitive(glb_file *glb, const json_t *primitive, const affine *place)
 {
     uint32_t mode, index;
     if (!get_u32(primitive, "mode", MODE_TRIANGLES, &mode) || mode > MODE_FAN)
@@ -353,6 +383,7 @@ static pith_status add_primitive(const glb_file *glb, const json_t *primitive, c
     }
     const uint32_t base = (uint32_t)glb->builder->vertex_count;
     PITH_TRY(add_vertices(glb, &attributes, place));
+    if (glb->builder->named) PITH_TRY(add_named(glb, primitive, attributes.position.count, base));
     return add_triangles(glb, &indices, mode, base, attributes.position.count, determinant(place) < 0.0);
 }
 
@@ -438,7 +469,35 @@ static pith_status push_nodes(const glb_file *glb, node_stack *stack, const json
     return PITH_OK;
 }
 
-static pith_status visit_nodes(const glb_file *glb, node_stack *stack)
+/* The keys of {"pith": {...}} in a mesh's extras. */
+static pith_status read_marks(const glb_file *glb, const json_t *mesh, mesh_named *named)
+{
+    const char *key;
+    json_t *value;
+    json_object_foreach(json_object_get(json_object_get(mesh, "extras"), "pith"), key, value)
+    {
+        if (!json_is_boolean(value))
+            return pith_fail(glb->err, PITH_BAD_FILE, "%s: \"%s\" in a mesh's extras must be true or false", glb->name,
+                             key);
+        if (json_is_true(value) && !mesh_named_mark(named, key, strlen(key)))
+            return PITH_OUT_OF_MEMORY(glb->err, glb->name);
+    }
+    return PITH_OK;
+}
+
+static pith_status begin_part(glb_file *glb, const json_t *node, const json_t *mesh, const affine *place)
+{
+    mesh_part *part = mesh_part_begin(glb->parts, glb->name);
+    const char *title = json_string_value(json_object_get(node, "name"));
+    if (!title) title = json_string_value(json_object_get(mesh, "name"));
+    if (!part || (title && !mesh_named_title(&part->named, title, strlen(title))))
+        return PITH_OUT_OF_MEMORY(glb->err, glb->name);
+    part->scale = cbrt(fabs(determinant(place)));
+    glb->builder = &part->builder;
+    return read_marks(glb, mesh, &part->named);
+}
+
+static pith_status visit_nodes(glb_file *glb, node_stack *stack)
 {
     while (stack->count > 0) {
         const uint32_t index = stack->items[--stack->count].node;
@@ -452,6 +511,7 @@ static pith_status visit_nodes(const glb_file *glb, node_stack *stack)
         uint32_t mesh;
         if (!get_u32(node, "mesh", 0, &mesh) || !json_is_object(root_item(glb, "meshes", mesh)))
             return wrong(glb, "node", index, "has a mesh that does not exist");
+        if (glb->parts) PITH_TRY(begin_part(glb, node, root_item(glb, "meshes", mesh), &place));
         const json_t *primitives = json_object_get(root_item(glb, "meshes", mesh), "primitives");
         for (size_t p = 0; p < json_array_size(primitives); ++p)
             PITH_TRY(add_primitive(glb, json_array_get(primitives, p), &place));
@@ -459,7 +519,7 @@ static pith_status visit_nodes(const glb_file *glb, node_stack *stack)
     return PITH_OK;
 }
 
-static pith_status read_scene(const glb_file *glb)
+static pith_status read_scene(glb_file *glb)
 {
     uint32_t scene;
     if (!get_u32(glb->root, "scene", 0, &scene) || !json_is_object(root_item(glb, "scenes", scene)))
@@ -477,11 +537,23 @@ static pith_status read_scene(const glb_file *glb)
     return status;
 }
 
+static pith_status read_file(glb_file *glb, const unsigned char *bytes, size_t size)
+{
+    pith_status status = read_chunks(glb, bytes, size);
+    if (status == PITH_OK) status = read_scene(glb);
+    json_decref(glb->root);
+    return status;
+}
+
 pith_status mesh_read_glb(mesh_builder *builder, const unsigned char *bytes, size_t size, pith_error *err)
 {
     glb_file glb = { .name = builder->name, .builder = builder, .err = err };
-    pith_status status = read_chunks(&glb, bytes, size);
-    if (status == PITH_OK) status = read_scene(&glb);
-    json_decref(glb.root);
-    return status;
+    return read_file(&glb, bytes, size);
+}
+
+pith_status mesh_read_glb_parts(const char *name, const unsigned char *bytes, size_t size, mesh_part_list *list,
+                                pith_error *err)
+{
+    glb_file glb = { .name = name, .parts = list, .err = err };
+    return read_file(&glb, bytes, size);
 }

@@ -47,6 +47,15 @@ static void add_texcoords(glb_writer *writer, json_t *attributes, const pith_mes
     add_attribute(writer, attributes, "TEXCOORD_0", start, view->vertex_count, "VEC2");
 }
 
+static void add_values(glb_writer *writer, json_t *attributes, const pith_mesh_view *view,
+                       const pith_part_values *values)
+{
+    static const char *const types[] = { "SCALAR", "VEC2", "VEC3", "VEC4" };
+    const size_t start = writer->binary.size, count = (size_t)view->vertex_count * values->components;
+    for (size_t i = 0; i < count; ++i) mesh_bytes_f32(&writer->binary, (float)values->values[i]);
+    add_attribute(writer, attributes, values->name, start, view->vertex_count, types[values->components - 1]);
+}
+
 static json_int_t add_indices(glb_writer *writer, const pith_mesh_view *view)
 {
     const size_t start = writer->binary.size;
@@ -71,6 +80,19 @@ static bool has_transparency(const pith_mesh_view *view)
     for (uint32_t v = 0; view->colours && v < view->vertex_count; ++v)
         if (view->colours[v][3] < 1.0f) return true;
     return false;
+}
+
+/* The attributes of a mesh and its indices; NULL marks the failure by itself. */
+static json_t *add_mesh(glb_writer *writer, const pith_mesh_view *view, json_int_t *indices, const pith_part *part)
+{
+    json_t *attributes = json_object();
+    add_positions(writer, attributes, view);
+    if (view->normals) add_normals(writer, attributes, view);
+    if (view->colours) add_colours(writer, attributes, view);
+    if (view->texcoords) add_texcoords(writer, attributes, view);
+    for (size_t i = 0; part && i < part->value_count; ++i) add_values(writer, attributes, view, &part->values[i]);
+    *indices = add_indices(writer, view);
+    return attributes;
 }
 
 /* All of the JSON but what glb_finish adds; takes over the attributes. */
@@ -111,15 +133,72 @@ pith_status mesh_write_glb_textured(const pith_mesh_view *view, const pith_textu
     const uint64_t size = (uint64_t)view->vertex_count * 48 + (uint64_t)view->triangle_count * 12;
     PITH_TRY(glb_check(view->positions, view->vertex_count, size + (texture ? texture->size : 0), "mesh", err));
     glb_writer writer = glb_begin();
-    json_t *attributes = json_object();
-    add_positions(&writer, attributes, view);
-    if (view->normals) add_normals(&writer, attributes, view);
-    if (view->colours) add_colours(&writer, attributes, view);
-    if (view->texcoords) add_texcoords(&writer, attributes, view);
-    const json_int_t indices = add_indices(&writer, view);
+    json_int_t indices;
+    json_t *attributes = add_mesh(&writer, view, &indices, NULL);
     const json_int_t picture = texture ? add_picture(&writer, texture) : 0;
     json_t *root = make_document(attributes, indices, texture ? texture->roughness : 0.6,
                                  has_transparency(view) || (texture && texture->transparent));
     if (texture) set_picture(&writer, root, picture);
+    return glb_finish(&writer, root, bytes, err);
+}
+
+/* ---- several meshes ---------------------------------------------------------------------------------------------- */
+
+/* A material for each, since one may be seen through and the next not. */
+static json_t *part_material(const pith_mesh_view *view)
+{
+    return json_pack("{s:{s:i, s:f}, s:b, s:s}", "pbrMetallicRoughness", "metallicFactor", 0, "roughnessFactor", 0.6,
+                     "doubleSided", 1, "alphaMode", has_transparency(view) ? "BLEND" : "OPAQUE");
+}
+
+static void add_part(glb_writer *writer, const pith_part *part, size_t index, json_t *nodes, json_t *meshes)
+{
+    json_int_t indices;
+    json_t *attributes = add_mesh(writer, &part->mesh, &indices, part);
+    json_t *mesh = json_pack("{s:[{s:o, s:I, s:I, s:i}]}", "primitives", "attributes", attributes, "indices", indices,
+                             "material", (json_int_t)index, "mode", 4);
+    if (part->mark_count > 0) {
+        json_t *marks = json_object();
+        for (size_t i = 0; i < part->mark_count; ++i) glb_set(writer, marks, part->marks[i], json_true());
+        glb_set(writer, mesh, "extras", json_pack("{s:o}", "pith", marks));
+    }
+    glb_append(writer, meshes, mesh);
+    json_t *node = json_pack("{s:I}", "mesh", (json_int_t)index);
+    if (part->name) glb_set(writer, node, "name", json_string(part->name));
+    glb_append(writer, nodes, node);
+}
+
+/* The format holds 4 GiB, and single precision. */
+static pith_status check_parts(const pith_part *parts, size_t count, pith_error *err)
+{
+    uint64_t size = 0;
+    for (size_t p = 0; p < count; ++p) {
+        const pith_part *part = &parts[p];
+        uint64_t each = 48;
+        for (size_t i = 0; i < part->value_count; ++i) each += 4 * (uint64_t)part->values[i].components;
+        size += part->mesh.vertex_count * each + (uint64_t)part->mesh.triangle_count * 12;
+        json_t *name = part->name ? json_string(part->name) : NULL;
+        if (part->name && !name) return pith_fail(err, PITH_BAD_ARGUMENT, "the name of mesh %zu is not in UTF-8", p);
+        json_decref(name);
+        if (part->mesh.triangle_count == 0)
+            return pith_fail(err, PITH_BAD_MESH, "a mesh without triangles cannot be in a GLB file");
+        PITH_TRY(glb_check(part->mesh.positions, part->mesh.vertex_count, size, "mesh", err));
+    }
+    return PITH_OK;
+}
+
+pith_status mesh_write_glb_parts(const pith_part *parts, size_t count, mesh_bytes *bytes, pith_error *err)
+{
+    PITH_TRY(check_parts(parts, count, err));
+    glb_writer writer = glb_begin();
+    json_t *nodes = json_array(), *meshes = json_array(), *materials = json_array(), *scene = json_array();
+    for (size_t i = 0; i < count; ++i) {
+        add_part(&writer, &parts[i], i, nodes, meshes);
+        glb_append(&writer, materials, part_material(&parts[i].mesh));
+        glb_append(&writer, scene, json_integer((json_int_t)i));
+    }
+    json_t *root =
+        json_pack("{s:{s:s, s:s}, s:i, s:[{s:o}], s:o, s:o, s:o}", "asset", "version", "2.0", "generator", "pith",
+                  "scene", 0, "scenes", "nodes", scene, "nodes", nodes, "meshes", meshes, "materials", materials);
     return glb_finish(&writer, root, bytes, err);
 }

@@ -4,6 +4,7 @@
 #define PITH_SHAPE_MESH_INTERNAL_H
 
 #include "pith/shape.h"
+#include "pith/shape_parts.h"
 
 struct pith_mesh {
     pith_vec3 *positions, *normals;
@@ -23,6 +24,8 @@ pith_mesh *mesh_new(uint32_t vertices, uint32_t triangles, bool normals, bool co
 /* PITH_BAD_MESH for an index out of range or a position that is not finite or beyond the limit. */
 pith_status mesh_check(const pith_mesh_view *view, const char *what, pith_error *err);
 double mesh_triangle_area(const pith_mesh_view *view, uint32_t triangle);
+/* The extension, of those that can be read, that the path ends with; NULL: none. */
+const char *mesh_known_extension(const char *path);
 
 /* ---- mesh_build.c: what readers fill ----------------------------------------------------------------------------- */
 
@@ -31,12 +34,41 @@ typedef struct mesh_vertex {
     float colour[4], texcoord[2]; /* colour linear */
 } mesh_vertex;
 
+/* ---- mesh_named.c: what a file says beside the geometry ----------------------------------------------------------- */
+
+typedef struct mesh_named_values {
+    char *name;
+    uint32_t components;
+    pith_part_type type;
+    double *values; /* [count * components] */
+    size_t count, room;
+} mesh_named_values;
+
+typedef struct mesh_named {
+    char *title; /* NULL: none */
+    mesh_named_values *values;
+    size_t value_count, value_room;
+    char **marks;
+    size_t mark_count, mark_room;
+} mesh_named;
+
+/* The values of this name, made if there are none yet; PITH_NONE: no memory. */
+uint32_t mesh_named_find(mesh_named *named, const char *name, uint32_t components, pith_part_type type);
+/* Those of one vertex; vertices before it that have none get NaN. */
+bool mesh_named_set(mesh_named *named, uint32_t which, size_t vertex, const double *values);
+bool mesh_named_title(mesh_named *named, const char *title, size_t length);
+bool mesh_named_mark(mesh_named *named, const char *mark, size_t length);
+/* NaN for the vertices at the end that have no values. */
+bool mesh_named_finish(mesh_named *named, size_t vertex_count);
+void mesh_named_free(mesh_named *named);
+
 typedef struct mesh_builder {
     const char *name; /* the file, for messages */
     mesh_vertex *vertices;
     uint32_t (*triangles)[3];
     size_t vertex_count, vertex_room, triangle_count, triangle_room;
     bool normals, colours, texcoords; /* which attributes the file has */
+    mesh_named *named;                /* NULL: what stands beside the geometry is passed over */
 } mesh_builder;
 
 pith_status mesh_builder_vertex(mesh_builder *builder, const mesh_vertex *vertex, pith_error *err);
@@ -88,11 +120,30 @@ void mesh_bytes_free(mesh_bytes *bytes);
 
 typedef pith_status mesh_reader(mesh_builder *builder, const unsigned char *bytes, size_t size, pith_error *err);
 mesh_reader mesh_read_obj, mesh_read_off, mesh_read_ply, mesh_read_stl, mesh_read_glb;
+/* The reader for a format; NULL, with the sentence in err, when there is none. */
+mesh_reader *mesh_reader_of(const char *name, const char *format, pith_error *err);
+
+/* A mesh that is being read beside others. */
+typedef struct mesh_part {
+    mesh_builder builder;
+    mesh_named named;
+    double scale;
+} mesh_part;
+typedef struct mesh_part_list {
+    mesh_part **items;
+    size_t count, room;
+} mesh_part_list;
+mesh_part *mesh_part_begin(mesh_part_list *list, const char *name); /* NULL: no memory */
+/* Every node of the scene as a part of its own. */
+pith_status mesh_read_glb_parts(const char *name, const unsigned char *bytes, size_t size, mesh_part_list *list,
+                                pith_error *err);
 typedef pith_status mesh_writer(const pith_mesh_view *view, mesh_bytes *bytes, pith_error *err);
 mesh_writer mesh_write_obj, mesh_write_ply, mesh_write_glb;
 /* The same with a picture, or with the material of this name in this file; NULL: with none. */
 pith_status mesh_write_glb_textured(const pith_mesh_view *view, const pith_texture *texture, mesh_bytes *bytes,
                                     pith_error *err);
+pith_status mesh_write_glb_parts(const pith_part *parts, size_t count, mesh_bytes *bytes, pith_error *err);
+pith_status mesh_write_ply_part(const pith_part *part, mesh_bytes *bytes, pith_error *err);
 void mesh_write_obj_material(const pith_mesh_view *view, const char *file, const char *material, mesh_bytes *bytes);
 
 /* ---- mesh_edges.c: who shares an edge with whom ------------------------------------------------------------------ */

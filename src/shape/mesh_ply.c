@@ -71,6 +71,7 @@ typedef struct ply_property {
     bool list;
     ply_type count_type, type;
     ply_role role;
+    uint32_t named; /* which of the named values; PITH_NONE: passed over */
 } ply_property;
 
 enum { MOST_PROPERTIES = 128, MOST_ELEMENTS = 32 };
@@ -90,6 +91,7 @@ typedef struct ply_file {
     uint32_t element_count;
     uint32_t *corners; /* of the face being read */
     size_t corner_room;
+    mesh_named *named; /* NULL: not wanted */
 } ply_file;
 
 /* ---- header ------------------------------------------------------------------------------------------------------ */
@@ -145,6 +147,37 @@ static ply_role role_of(const ply_element *element, const char *name, const ply_
     return ROLE_NONE;
 }
 
+/* A property that means nothing to us, but may to whoever asked for what is named. */
+static pith_status name_property(ply_file *ply, const char *name, ply_property *property, pith_error *err)
+{
+    const pith_part_type type = property->type == PLY_F64   ? PITH_PART_DOUBLE
+                                : property->type == PLY_F32 ? PITH_PART_FLOAT
+                                                            : PITH_PART_WHOLE;
+    for (size_t i = 0; i < ply->named->value_count; ++i)
+        if (strcmp(ply->named->values[i].name, name) == 0)
+            return mesh_text_fail(&ply->text, err, "property %s of element vertex is given twice", name);
+    property->named = mesh_named_find(ply->named, name, 1, type);
+    return property->named == PITH_NONE ? PITH_OUT_OF_MEMORY(err, ply->text.name) : PITH_OK;
+}
+
+/* "comment pith name NAME", where the name is the rest of the line, or "comment pith MARK". */
+static pith_status read_comment(ply_file *ply, pith_error *err)
+{
+    mesh_text *text = &ply->text;
+    char word[32];
+    if (!ply->named || !mesh_text_word(text, word, sizeof word) || strcmp(word, "pith") != 0) return PITH_OK;
+    if (!mesh_text_word(text, word, sizeof word)) return PITH_OK;
+    bool kept = true;
+    if (strcmp(word, "name") == 0) {
+        const unsigned char *from = text->at < text->end && *text->at == ' ' ? text->at + 1 : text->at, *to = from;
+        while (to < text->end && *to != '\n' && *to != '\r') ++to;
+        kept = mesh_named_title(ply->named, (const char *)from, (size_t)(to - from));
+    } else {
+        kept = mesh_named_mark(ply->named, word, strlen(word));
+    }
+    return kept ? PITH_OK : PITH_OUT_OF_MEMORY(err, text->name);
+}
+
 static pith_status read_property(ply_file *ply, pith_error *err)
 {
     mesh_text *text = &ply->text;
@@ -152,7 +185,7 @@ static pith_status read_property(ply_file *ply, pith_error *err)
     ply_element *element = &ply->elements[ply->element_count - 1];
     if (element->property_count == MOST_PROPERTIES)
         return mesh_text_fail(text, err, "element %s has more than %d properties", element->name, MOST_PROPERTIES);
-    ply_property property = { 0 };
+    ply_property property = { .named = PITH_NONE };
     char word[32];
     mesh_text ahead = *text;
     property.list = mesh_text_word(&ahead, word, sizeof word) && strcmp(word, "list") == 0;
@@ -167,6 +200,8 @@ static pith_status read_property(ply_file *ply, pith_error *err)
         if (element->has[property.role])
             return mesh_text_fail(text, err, "property %s of element %s is given twice", word, element->name);
         element->has[property.role] = true;
+    } else if (ply->named && !property.list && strcmp(element->name, "vertex") == 0) {
+        PITH_TRY(name_property(ply, word, &property, err));
     }
     element->properties[element->property_count++] = property;
     return PITH_OK;
@@ -182,10 +217,11 @@ static pith_status read_header(ply_file *ply, pith_error *err)
     for (;;) {
         mesh_text_next_line(text);
         if (text->at >= text->end) return mesh_text_fail(text, err, "the file ends before end_header");
-        if (!mesh_text_word(text, word, sizeof word) || strcmp(word, "comment") == 0 || strcmp(word, "obj_info") == 0)
-            continue;
+        if (!mesh_text_word(text, word, sizeof word) || strcmp(word, "obj_info") == 0) continue;
         if (strcmp(word, "end_header") == 0) break;
-        if (strcmp(word, "format") == 0) {
+        if (strcmp(word, "comment") == 0) {
+            PITH_TRY(read_comment(ply, err));
+        } else if (strcmp(word, "format") == 0) {
             PITH_TRY(read_format(ply, err));
             format = true;
         } else if (strcmp(word, "element") == 0) {
@@ -358,6 +394,9 @@ static pith_status read_body(ply_file *ply, mesh_builder *builder, pith_error *e
                     PITH_TRY(read_list(ply, element, property, i, &corners, err));
                 else if (!read_value(ply, property->type, &values[property->role]))
                     return value_missing(ply, element, i, err);
+                else if (property->named != PITH_NONE &&
+                         !mesh_named_set(ply->named, property->named, builder->vertex_count, &values[property->role]))
+                    return PITH_OUT_OF_MEMORY(err, ply->text.name);
             }
             if (vertices)
                 PITH_TRY(add_vertex(ply, element, i, values, builder, err));
@@ -370,7 +409,7 @@ static pith_status read_body(ply_file *ply, mesh_builder *builder, pith_error *e
 
 pith_status mesh_read_ply(mesh_builder *builder, const unsigned char *bytes, size_t size, pith_error *err)
 {
-    ply_file ply = { .text = { builder->name, bytes, bytes + size, 1 } };
+    ply_file ply = { .text = { builder->name, bytes, bytes + size, 1 }, .named = builder->named };
     ply.elements = pith_alloc(MOST_ELEMENTS, sizeof *ply.elements);
     if (!ply.elements) return PITH_OUT_OF_MEMORY(err, builder->name);
     pith_status status = read_header(&ply, err);
@@ -383,15 +422,32 @@ pith_status mesh_read_ply(mesh_builder *builder, const unsigned char *bytes, siz
 
 /* ---- writing ----------------------------------------------------------------------------------------------------- */
 
-static void write_header(const pith_mesh_view *view, mesh_bytes *bytes)
+static void write_header(const pith_part *part, mesh_bytes *bytes)
 {
-    mesh_bytes_text(bytes, "ply\nformat binary_little_endian 1.0\ncomment pith\nelement vertex ");
+    const pith_mesh_view *view = &part->mesh;
+    mesh_bytes_text(bytes, "ply\nformat binary_little_endian 1.0\ncomment pith\n");
+    if (part->name) {
+        mesh_bytes_text(bytes, "comment pith name ");
+        mesh_bytes_text(bytes, part->name);
+        mesh_bytes_text(bytes, "\n");
+    }
+    for (size_t i = 0; i < part->mark_count; ++i) {
+        mesh_bytes_text(bytes, "comment pith ");
+        mesh_bytes_text(bytes, part->marks[i]);
+        mesh_bytes_text(bytes, "\n");
+    }
+    mesh_bytes_text(bytes, "element vertex ");
     mesh_bytes_integer(bytes, view->vertex_count);
     mesh_bytes_text(bytes, "\nproperty double x\nproperty double y\nproperty double z\n");
     if (view->normals) mesh_bytes_text(bytes, "property float nx\nproperty float ny\nproperty float nz\n");
     if (view->colours)
         mesh_bytes_text(bytes, "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n");
     if (view->texcoords) mesh_bytes_text(bytes, "property float s\nproperty float t\n");
+    for (size_t i = 0; i < part->value_count; ++i) {
+        mesh_bytes_text(bytes, part->values[i].type == PITH_PART_DOUBLE ? "property double " : "property float ");
+        mesh_bytes_text(bytes, part->values[i].name);
+        mesh_bytes_text(bytes, "\n");
+    }
     mesh_bytes_text(bytes, "element face ");
     mesh_bytes_integer(bytes, view->triangle_count);
     mesh_bytes_text(bytes, "\nproperty list uchar uint vertex_indices\nend_header\n");
@@ -399,30 +455,44 @@ static void write_header(const pith_mesh_view *view, mesh_bytes *bytes)
 
 static unsigned char to_byte(double value) { return (unsigned char)(fmin(fmax(value, 0.0), 1.0) * 255.0 + 0.5); }
 
-pith_status mesh_write_ply(const pith_mesh_view *view, mesh_bytes *bytes, pith_error *err)
+static void write_vertex(const pith_part *part, uint32_t v, mesh_bytes *bytes)
+{
+    const pith_mesh_view *view = &part->mesh;
+    const pith_vec3 p = view->positions[v];
+    mesh_bytes_f64(bytes, p.x);
+    mesh_bytes_f64(bytes, p.y);
+    mesh_bytes_f64(bytes, p.z);
+    if (view->normals) {
+        mesh_bytes_f32(bytes, (float)view->normals[v].x);
+        mesh_bytes_f32(bytes, (float)view->normals[v].y);
+        mesh_bytes_f32(bytes, (float)view->normals[v].z);
+    }
+    if (view->colours) {
+        unsigned char rgba[4] = { 0, 0, 0, to_byte((double)view->colours[v][3]) };
+        for (int k = 0; k < 3; ++k) rgba[k] = to_byte((double)pith_srgb_encode((double)view->colours[v][k]));
+        mesh_bytes_add(bytes, rgba, sizeof rgba);
+    }
+    for (int k = 0; view->texcoords && k < 2; ++k) mesh_bytes_f32(bytes, view->texcoords[v][k]);
+    for (size_t i = 0; i < part->value_count; ++i)
+        if (part->values[i].type == PITH_PART_DOUBLE)
+            mesh_bytes_f64(bytes, part->values[i].values[v]);
+        else
+            mesh_bytes_f32(bytes, (float)part->values[i].values[v]);
+}
+
+pith_status mesh_write_ply_part(const pith_part *part, mesh_bytes *bytes, pith_error *err)
 {
     (void)err;
-    write_header(view, bytes);
-    for (uint32_t v = 0; v < view->vertex_count; ++v) {
-        const pith_vec3 p = view->positions[v];
-        mesh_bytes_f64(bytes, p.x);
-        mesh_bytes_f64(bytes, p.y);
-        mesh_bytes_f64(bytes, p.z);
-        if (view->normals) {
-            mesh_bytes_f32(bytes, (float)view->normals[v].x);
-            mesh_bytes_f32(bytes, (float)view->normals[v].y);
-            mesh_bytes_f32(bytes, (float)view->normals[v].z);
-        }
-        if (view->colours) {
-            unsigned char rgba[4] = { 0, 0, 0, to_byte((double)view->colours[v][3]) };
-            for (int k = 0; k < 3; ++k) rgba[k] = to_byte((double)pith_srgb_encode((double)view->colours[v][k]));
-            mesh_bytes_add(bytes, rgba, sizeof rgba);
-        }
-        for (int k = 0; view->texcoords && k < 2; ++k) mesh_bytes_f32(bytes, view->texcoords[v][k]);
-    }
-    for (uint32_t t = 0; t < view->triangle_count; ++t) {
+    write_header(part, bytes);
+    for (uint32_t v = 0; v < part->mesh.vertex_count; ++v) write_vertex(part, v, bytes);
+    for (uint32_t t = 0; t < part->mesh.triangle_count; ++t) {
         mesh_bytes_add(bytes, "\3", 1);
-        for (int k = 0; k < 3; ++k) mesh_bytes_u32(bytes, view->triangles[t][k]);
+        for (int k = 0; k < 3; ++k) mesh_bytes_u32(bytes, part->mesh.triangles[t][k]);
     }
     return PITH_OK;
+}
+
+pith_status mesh_write_ply(const pith_mesh_view *view, mesh_bytes *bytes, pith_error *err)
+{
+    return mesh_write_ply_part(&(pith_part){ .mesh = *view }, bytes, err);
 }
