@@ -1,6 +1,8 @@
 /* The surfaces of a body that colours flow between: drawn, varied, erased, painted, strewn with grains, and placed. */
 #include "model_internal.h"
 
+#include "pith/diffusion_files.h"
+
 #include <stdio.h>
 #include <string.h>
 
@@ -10,6 +12,7 @@ typedef struct made_surface {
     pith_mesh *drawn, *mesh;
     float (*front)[4], (*back)[4];  /* [vertex_count]; back is NULL when the surface has one colour */
     double *blur;                   /* [vertex_count], or NULL */
+    bool hide_front, hide_back;     /* a file says so */
 } made_surface;
 
 struct body_surfaces {
@@ -56,8 +59,9 @@ static pith_status carry_over(const pith_mesh *left, const pith_erased *ends, co
     return status;
 }
 
-/* Takes away what the surface's entries of "erase" say, of the drawn mesh and of the other in the same way. */
-static pith_status erase_parts(const document_surface *from, made_surface *at, pith_error *err)
+/* Takes away what the surface's entries of "erase" say, of the drawn mesh and of the other in the same way. kept (may be
+   NULL): where the vertices that are left were, for the caller to free; stays as it is when nothing is erased. */
+static pith_status erase_parts(const document_surface *from, made_surface *at, pith_erased **kept, pith_error *err)
 {
     if (from->erase_count == 0) return PITH_OK;
     pith_mesh *left = NULL, *moved = NULL;
@@ -66,7 +70,8 @@ static pith_status erase_parts(const document_surface *from, made_surface *at, p
     pith_status status = PITH_OK;
     if (at->mesh == at->drawn) moved = left;
     else status = carry_over(left, ends, pith_mesh_look(at->mesh).positions, &moved, err);
-    pith_free(ends);
+    if (kept && status == PITH_OK) *kept = ends;
+    else pith_free(ends);
     if (status != PITH_OK) {
         pith_mesh_destroy(left);
         return status;
@@ -161,20 +166,60 @@ static pith_status coat_spread(coat *to, const pith_mesh_view *mesh, pith_error 
 
 enum { COAT_FRONT, COAT_BACK, COAT_BLUR, COATS };
 
+/* What a file says at the vertices of a surface: some of it may have been erased (ends not NULL). */
+typedef struct given_attributes {
+    const pith_diffusion_surface *read;
+    const pith_erased *ends;
+} given_attributes;
+
+/* What is given stays where nothing is painted: it is fixed everywhere. */
+static void coat_take(coat *to, uint32_t vertices, const pith_erased *ends, const float (*colours)[4], const double *blur)
+{
+    for (uint32_t v = 0; v < vertices; ++v) {
+        to->fixed[v] = true;
+        for (uint32_t c = 0; c < to->channels; ++c) {
+            double *value = &to->values[(size_t)c * vertices + v];
+            if (!ends) {
+                *value = colours ? colours[v][c] : blur[v];
+                continue;
+            }
+            *value = 0.0;
+            for (int k = 0; k < 3; ++k) {
+                const uint32_t corner = ends[v].corner[k];
+                *value += ends[v].weight[k] * (colours ? colours[corner][c] : blur[corner]);
+            }
+        }
+    }
+}
+
+static void coats_take(const document_surface *from, const given_attributes *given, uint32_t vertices, coat coats[COATS])
+{
+    const pith_diffusion_surface *read = given->read;
+    const float(*front)[4] = read->front ? read->front : read->back, (*back)[4] = read->back ? read->back : front;
+    if (front && !from->coloured) {
+        coat_take(&coats[COAT_FRONT], vertices, given->ends, front, NULL);
+        coat_take(&coats[COAT_BACK], vertices, given->ends, back, NULL);
+    }
+    if (read->blur && !(from->look.blur > 0.0))
+        coat_take(&coats[COAT_BLUR], vertices, given->ends, NULL, read->blur);
+}
+
 static pith_status coats_paint(const document_body *body, const document_surface *from, const pith_mesh_view *mesh,
-                               coat coats[COATS], pith_error *err)
+                               const given_attributes *given, coat coats[COATS], pith_error *err)
 {
     const uint32_t vertices = mesh->vertex_count;
-    const double base[COATS][3] = { { from->front[0], from->front[1], from->front[2] },
-                                    { from->back[0], from->back[1], from->back[2] },
+    const double opacity = from->look.opacity;
+    const double base[COATS][4] = { { from->front[0], from->front[1], from->front[2], opacity },
+                                    { from->back[0], from->back[1], from->back[2], opacity },
                                     { from->look.blur } };
-    for (int k = 0; k < COATS; ++k) PITH_TRY(coat_make(&coats[k], k == COAT_BLUR ? 1 : 3, vertices, base[k], err));
+    for (int k = 0; k < COATS; ++k) PITH_TRY(coat_make(&coats[k], k == COAT_BLUR ? 1 : 4, vertices, base[k], err));
+    if (given) coats_take(from, given, vertices, coats);
     bool *met = pith_alloc(vertices, sizeof *met);
     if (!met) return PITH_OUT_OF_MEMORY(err, "paint");
     for (size_t i = 0; i < from->paint_count; ++i) {
         const document_paint *paint = &from->paint[i];
-        const double values[COATS][3] = { { paint->front[0], paint->front[1], paint->front[2] },
-                                          { paint->back[0], paint->back[1], paint->back[2] },
+        const double values[COATS][4] = { { paint->front[0], paint->front[1], paint->front[2], opacity },
+                                          { paint->back[0], paint->back[1], paint->back[2], opacity },
                                           { paint->blur } };
         memset(met, 0, vertices * sizeof *met);
         pith_brush_mark(&paint->brush, &body->sketch.drawn, mesh, met);
@@ -188,15 +233,12 @@ static pith_status coats_paint(const document_body *body, const document_surface
 }
 
 /* Colours of one side, once for each copy of the vertices. */
-static pith_status colours_of(const coat *from, uint32_t vertices, size_t copies, float opacity, float (**colours)[4],
-                              pith_error *err)
+static pith_status colours_of(const coat *from, uint32_t vertices, size_t copies, float (**colours)[4], pith_error *err)
 {
     float(*made)[4] = pith_alloc(vertices * copies, sizeof *made);
     if (!made) return PITH_OUT_OF_MEMORY(err, "colours");
-    for (size_t i = 0; i < vertices * copies; ++i) {
-        for (size_t c = 0; c < 3; ++c) made[i][c] = (float)from->values[c * vertices + i % vertices];
-        made[i][3] = opacity;
-    }
+    for (size_t i = 0; i < vertices * copies; ++i)
+        for (size_t c = 0; c < 4; ++c) made[i][c] = (float)from->values[c * vertices + i % vertices];
     *colours = made;
     return PITH_OK;
 }
@@ -215,17 +257,16 @@ static pith_status blur_of(const coat *from, uint32_t vertices, size_t copies, d
 
 /* Colours and blur of the vertices of `painted`, which stands so often in the surface. */
 static pith_status colour_surface(const document_body *body, const document_surface *from, const pith_mesh *painted,
-                                  size_t copies, made_surface *to, pith_error *err)
+                                  const given_attributes *given, size_t copies, made_surface *to, pith_error *err)
 {
     const pith_mesh_view mesh = pith_mesh_look(painted);
     const double scale = body->placed ? body->placement.scale : 1.0;
-    const float opacity = (float)from->look.opacity;
+    const bool two_sided = from->two_sided || (given && given->read->back && !from->coloured);
     coat coats[COATS] = { 0 };
-    pith_status status = coats_paint(body, from, &mesh, coats, err);
-    if (status == PITH_OK)
-        status = colours_of(&coats[COAT_FRONT], mesh.vertex_count, copies, opacity, &to->front, err);
-    if (status == PITH_OK && from->two_sided)
-        status = colours_of(&coats[COAT_BACK], mesh.vertex_count, copies, opacity, &to->back, err);
+    pith_status status = coats_paint(body, from, &mesh, given, coats, err);
+    if (status == PITH_OK) status = colours_of(&coats[COAT_FRONT], mesh.vertex_count, copies, &to->front, err);
+    if (status == PITH_OK && two_sided)
+        status = colours_of(&coats[COAT_BACK], mesh.vertex_count, copies, &to->back, err);
     if (status == PITH_OK) status = blur_of(&coats[COAT_BLUR], mesh.vertex_count, copies, scale, &to->blur, err);
     for (int k = 0; k < COATS; ++k) coat_clear(&coats[k]);
     return status;
@@ -240,8 +281,51 @@ static pith_status make_grains(const document_body *body, const document_surface
     size_t copies = 0;
     PITH_TRY(pith_grain_surface(&from->profile, &from->outline, from->grain.across, from->grain.along, &grain, err));
     pith_status status = strew_grains(body, from, on, grain, to, &copies, err);
-    if (status == PITH_OK) status = colour_surface(body, from, grain, copies, to, err);
+    if (status == PITH_OK) status = colour_surface(body, from, grain, NULL, copies, to, err);
     pith_mesh_destroy(grain);
+    return status;
+}
+
+/* The file's surface that is meant. */
+static pith_status choose_part(const document_surface *from, const pith_diffusion_surfaces_view *all, size_t *chosen,
+                               pith_error *err)
+{
+    char list[300] = "";
+    for (size_t i = 0; i < all->count; ++i) {
+        const char *name = all->surfaces[i].name;
+        *chosen = i;
+        if (from->part && name && strcmp(name, from->part) == 0) return PITH_OK;
+        const size_t length = strlen(list);
+        snprintf(list + length, sizeof list - length, "%s\"%s\"", i ? ", " : "", name ? name : "");
+    }
+    if (!from->part && all->count == 1) return PITH_OK;
+    if (!from->part)
+        return pith_fail(err, PITH_BAD_DOCUMENT, "%s has %zu surfaces; say which with \"part\", one of %s", from->file,
+                         all->count, list);
+    return pith_fail(err, PITH_BAD_DOCUMENT, "%s has no surface \"%s\", expected one of %s", from->file, from->part, list);
+}
+
+static pith_status make_from_file(const document_body *body, const document_surface *from, made_surface *to, pith_error *err)
+{
+    pith_diffusion_surfaces *read = NULL;
+    PITH_TRY(pith_diffusion_surfaces_read(from->file, &read, err));
+    const pith_diffusion_surfaces_view all = pith_diffusion_surfaces_look(read);
+    size_t chosen = 0;
+    pith_erased *ends = NULL;
+    pith_status status = choose_part(from, &all, &chosen, err);
+    if (status == PITH_OK) status = pith_mesh_create(&all.surfaces[chosen].mesh, &to->drawn, err);
+    to->mesh = to->drawn;
+    if (status == PITH_OK) status = erase_parts(from, to, &ends, err);
+    const given_attributes given = { &all.surfaces[chosen], ends };
+    if (status == PITH_OK && !from->coloured && from->paint_count == 0)
+        status = pith_diffusion_surfaces_coloured(read, err);
+    if (status == PITH_OK) status = colour_surface(body, from, to->drawn, &given, 1, to, err);
+    if (status == PITH_OK) {
+        to->hide_front = given.read->hide_front;
+        to->hide_back = given.read->hide_back;
+    }
+    pith_free(ends);
+    pith_diffusion_surfaces_destroy(read);
     return status;
 }
 
@@ -253,7 +337,7 @@ static pith_status make_surface(pith_model *model, const document_surface *from,
     case SURFACE_AROUND:
     case SURFACE_CHAMBERS: PITH_TRY(draw_feature(body, from, varied, to, err)); break;
     case SURFACE_GRAINS: PITH_TRY(make_grains(body, from, &before[from->on], to, err)); break;
-    case SURFACE_FILE: PITH_TRY(pith_mesh_read(from->file, &to->drawn, err)); break;
+    case SURFACE_FILE: return make_from_file(body, from, to, err);
     case SURFACE_BODY: {
         const pith_mesh *mesh;
         PITH_TRY(pith_model_mesh(model, &mesh, NULL, err));
@@ -263,8 +347,8 @@ static pith_status make_surface(pith_model *model, const document_surface *from,
     }
     if (!to->mesh) to->mesh = to->drawn;
     if (from->kind == SURFACE_GRAINS) return PITH_OK;
-    PITH_TRY(erase_parts(from, to, err));
-    return colour_surface(body, from, to->drawn, 1, to, err);
+    PITH_TRY(erase_parts(from, to, NULL, err));
+    return colour_surface(body, from, to->drawn, NULL, 1, to, err);
 }
 
 /* Surfaces stand where the body's "place" says; the body's own does already. */
@@ -320,7 +404,8 @@ static void look_at_surfaces(const document_body *body, body_surfaces *made)
         made->views[i] = (pith_diffusion_surface){
             .name = from->name, .mesh = pith_mesh_look(at->mesh),
             .front = (const float(*)[4])at->front, .back = (const float(*)[4])at->back, .blur = at->blur,
-            .hide_front = from->look.hide == HIDE_FRONT, .hide_back = from->look.hide == HIDE_BACK,
+            .hide_front = at->hide_front || from->look.hide == HIDE_FRONT,
+            .hide_back = at->hide_back || from->look.hide == HIDE_BACK,
         };
     }
 }
