@@ -3,8 +3,9 @@
 
 import type { BodyState, Functions, Json, JobEvent, TypeNeeds } from './protocol';
 
-export type ToolName = 'select' | 'cut' | 'plane' | 'fill' | 'face' | 'depth' | 'points' | 'direction' | 'scale' | 'paste';
-export type ViewMode = 'solid' | 'depth' | 'shape' | 'volume';
+export type ToolName = 'select' | 'cut' | 'plane' | 'fill' | 'face' | 'depth' | 'points' | 'direction' | 'scale' | 'paste'
+  | 'paint-surface' | 'erase-surface';
+export type ViewMode = 'solid' | 'depth' | 'shape' | 'volume' | 'surfaces';
 
 export interface State {
   connection: 'connecting' | 'open' | 'lost' | 'gone' | 'refused';
@@ -44,6 +45,16 @@ export interface State {
   apart: number;                    // how far parts are pulled apart for looking, 0..1
   size: number;                     // of the exemplar that scale and paste place, model units; 0: not chosen yet
   pasting: Json | null;             // the exemplar that is pasted, as a document writes it
+  selectedSurface: string | null;   // name of the surface, of the body that tools work on, that curves and tools work on
+  shownSurfaces: { [name: string]: boolean }; // false: hidden in three dimensions; those not in it are shown
+  skin: number;                     // opacity of the body's skin about its surfaces, 0..1
+  paintWhat: 'colour' | 'blur';     // of surfaces
+  paintColour: string;              // '#rrggbb', as documents write colours
+  recentColours: string[];          // those painted last, the newest first
+  paintBlur: number;                // model units
+  paintRadius: number;              // of the brush, model units; 0: not chosen yet
+  paintSide: 'both' | 'front' | 'back';
+  paintRepeat: 'once' | 'folds' | 'around';
   keep: 'both' | 'positive' | 'negative'; // of cuts that are drawn
   separate: boolean;                // the same
   chosenCut: number | null;         // the row that Delete takes away
@@ -61,7 +72,9 @@ export const initial: State = {
   revision: 0, document: {}, name: '', undo: [], redo: [], saved: true, recovered: false, bodies: [], viewWhy: null, automatic: true,
   jobs: [],
   tool: 'select', mode: 'solid', body: 0, part: null, paint: 0, erase: false, palette: [0, 0.25, 0.5, 0.75, 1],
-  crease: 30, layer: null, isolines: true, lines: 'none', linesOf: '', apart: 0, size: 0, pasting: null, keep: 'positive',
+  crease: 30, layer: null, isolines: true, lines: 'none', linesOf: '', apart: 0, size: 0, pasting: null,
+  selectedSurface: null, shownSurfaces: {}, skin: 0.25, paintWhat: 'colour', paintColour: '#c83c28', recentColours: [],
+  paintBlur: 0, paintRadius: 0, paintSide: 'both', paintRepeat: 'once', keep: 'positive',
   separate: false, chosenCut: null, pointed: null, tab: 'inside', inspector: true, clip: false, theme: 'dark', hint: '', serial: 0,
 };
 
