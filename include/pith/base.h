@@ -145,6 +145,12 @@ pith_box pith_box_of(const pith_vec3 *points, size_t count);
 float pith_srgb_decode(double encoded);
 float pith_srgb_encode(double linear);
 
+/** Oklab (Ottosson, "A perceptual color space for image processing", 2020) of linear sRGB and back: lightness, green to
+ *  red, blue to yellow; equal distances look about equally different. White is (1, 0, 0). Any number goes in, negative
+ *  ones too; the way there and back loses some 1e-7, which is what the published matrices hold. */
+void pith_oklab_from_rgb(const double rgb[3], double lab[3]);
+void pith_oklab_to_rgb(const double lab[3], double rgb[3]);
+
 /* ---- random numbers ------------------------------------------------------------------------------------------ */
 
 /** PCG32 (O'Neill, "PCG: A Family of Simple Fast Space-Efficient Statistically Good Algorithms", 2014): small state,

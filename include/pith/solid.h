@@ -37,6 +37,62 @@ void pith_solid_destroy(pith_solid *solid);
  *  opacity, three opaque RGB. Outside: zeros, or the nearest voxel when `clamp`. */
 pith_status pith_solid_grid(const pith_grid *grid, bool clamp, pith_solid **solid, pith_error *err);
 
+/* ---- kind "combined" --------------------------------------------------------------------------------------------- */
+
+/** What a detail does with the colour under it. Throughout, a is the detail's amount times its weight at the place, and
+ *  times its own opacity there: where it is clear it does nothing.
+ *  shade: the colour is multiplied by 1 + a (luminance / mean luminance - 1), not below 0: light and dark, in its own hue.
+ *  tint:  the detail's difference to its mean, in Oklab (Ottosson 2020), times a, is added to the colour. What leaves the
+ *         gamut comes back to its border, in its own hue and lightness; the gamut is 0..1, and as much more as the colour
+ *         itself takes.
+ *  cover: the detail's colour lies over the colour, a of it, at most all: seeds, vesicles. */
+typedef enum pith_detail_way { PITH_DETAIL_SHADE, PITH_DETAIL_TINT, PITH_DETAIL_COVER } pith_detail_way;
+
+typedef struct pith_detail_options {
+    uint32_t way;       /* pith_detail_way */
+    double amount;      /* 0: none of it; 1: as it is; more exaggerates shade and tint */
+} pith_detail_options;
+extern const pith_params pith_detail_params;
+pith_detail_options pith_detail_options_default(void);
+
+/** How much of a detail there is where the colour, before any detail, is this one. */
+typedef struct pith_detail_weight {
+    float colour[3];    /* linear RGB */
+    double weight;      /* 0..100; multiplies the amount */
+} pith_detail_weight;
+
+typedef struct pith_detail {
+    const char *name;               /* for messages; NULL: its number */
+    const pith_solid *solid;        /* borrowed */
+    pith_detail_options options;
+    float mean[3];                  /* shade, tint: linear RGB at which the detail changes nothing: pith_solid_mean */
+    const pith_detail_weight *weights; /* [weight_count]; copied. None: 1 everywhere */
+    size_t weight_count;
+} pith_detail;
+
+/** A solid that has its colour, and its opacity, from `colour`, such as colours that flow between surfaces, and its grain
+ *  from details that are laid on in their order, such as lapped or computed solids (Takayama 2011, §7.3.1). Several
+ *  noises, an octave each with weights of its own, are the colour modulation of §6.4.
+ *  The weight at a place is the mean of the given ones, each weighted by the inverse square of the distance in Oklab from
+ *  its colour to the one there; exactly the given one where that is the colour (Shepard, "A two-dimensional interpolation
+ *  function for irregularly-spaced data", 1968).
+ *  A channel behind RGBA, such as displacement, is that of the first that has it, the colour first, then the details in
+ *  their order. A detail's are multiplied by its weight, not by its amount, which is about colour.
+ *  Every solid is asked the whole question, points of one block at a time. All solids are borrowed and must outlive this one.
+ *  PITH_BAD_ARGUMENT: NULL, an option, a weight or a colour out of range, a mean that is black where the way is shade, more
+ *  than 4096 channels. Beside what the solids take, a point costs some 20 ns for each detail that shades or covers, and
+ *  150 more where there are weights or where it tints. */
+pith_status pith_solid_combined(const pith_solid *colour, const pith_detail *details, size_t count, pith_solid **solid,
+                                pith_error *err);
+
+/** The mean colour of a solid over points, weighted by its opacity: linear RGB, exactly the solid's where it has one colour
+ *  only. PITH_BAD_ARGUMENT: it is clear at all of them, or the mean is not finite. */
+pith_status pith_solid_mean(const pith_solid *solid, const pith_query *query, float mean[3], pith_error *err);
+/** The same over points spread evenly at random through a body, with tet and weights known. 4000 samples are good for about
+ *  a hundredth of the colour's spread. The same for the same seed. */
+pith_status pith_solid_mean_inside(const pith_solid *solid, const pith_tets *tets, uint32_t samples, uint64_t seed,
+                                   float mean[3], pith_error *err);
+
 /* ---- kind "lapped" ----------------------------------------------------------------------------------------------- */
 
 /** The thesis's types (§2.3, §5.2). 0: homogeneous, the exemplar tiles in all three directions; 1: layered along s.
