@@ -199,6 +199,7 @@ static pith_status start(editor *own, const char *path, pith_error *err)
     const builder_calls calls = { model_arrived, something_came_up, own };
     PITH_TRY(session_open(path, &own->opened, err));
     PITH_TRY(viewer_create(session_path(own->opened), own->out, something_came_up, own, &own->view, err));
+    PITH_TRY(surfacer_create(session_path(own->opened), own->out, &own->surfaces, err));
     PITH_TRY(errands_create(session_path(own->opened), own->out, &own->errands, err));
     PITH_TRY(builder_create(session_path(own->opened), own->out, own->cache, &calls, &own->build, err));
     build_document_changed(own);
@@ -230,6 +231,7 @@ void editor_close(editor *own)
     if (!own) return;
     builder_destroy(own->build);
     viewer_destroy(own->view);
+    surfacer_destroy(own->surfaces);
     errands_destroy(own->errands);
     session_close(own->opened);
     json_decref(own->schema);
