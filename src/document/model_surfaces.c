@@ -444,7 +444,7 @@ pith_status pith_model_surfaces(pith_model *model, const pith_diffusion_surface 
 
 pith_status pith_model_surface_drawn(pith_model *model, size_t index, pith_mesh_view *drawn, pith_error *err)
 {
-    size_t count;
+    size_t count = 0;
     PITH_TRY(pith_model_surfaces(model, NULL, &count, err));
     if (index >= count)
         return pith_fail(err, PITH_BAD_ARGUMENT, "surface %zu is asked for, but the body has %zu", index, count);
