@@ -59,7 +59,7 @@ void model_took(pith_model *model, size_t member, double start)
 
 /* ---- the cache ----------------------------------------------------------------------------------------------------------- */
 
-enum { SECTION_NAME = 24 };
+enum { SECTION_NAME = 16 };
 
 /* What the cache calls a stage of a body: a single body's stages have their plain names. The exemplars and patches of
    solids under a combined one have the number of the solid behind them. */
