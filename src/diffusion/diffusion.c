@@ -149,7 +149,7 @@ static bool answer_side(const pith_diffusion *diffusion, pith_vec3 point, pith_v
     const pith_vec3 p = diffusion_to_scene(diffusion, point);
     if (!diffusion_reaches(p)) return false;
     const nearest_sheet at = scene_nearest(diffusion, p, on_sheet);
-    if (at.triangle == PITH_NONE) return false;
+    if (at.triangle == PITH_NONE || !(at.distance <= on_sheet)) return false;
     const bool back = pith_dot(diffusion->placed[at.triangle].normal, normal) < 0.0;
     for (int other = 0; other < 2; ++other) {
         const side_paint *side = &diffusion->sheets.sides[at.triangle][back != other];

@@ -72,8 +72,8 @@ typedef struct nearest_sheet {
     pith_vec3 point;
 } nearest_sheet;
 
-/* Nearest point within `reach` of p, scene units; triangle PITH_NONE when there is none. Double precision; of triangles at
-   the same distance the lowest. */
+/* Nearest point when it is within `reach` of p, scene units. When none is, the answer is some point farther away or the
+   triangle PITH_NONE. Double precision; of triangles at the same distance the lowest. */
 nearest_sheet scene_nearest(const pith_diffusion *diffusion, pith_vec3 p, double reach);
 
 /* ---- pmvc.c, walks.c: the ways to a colour -------------------------------------------------------------------------- */
