@@ -271,7 +271,7 @@ static void sweep_ring(pith_vec2 inner, pith_vec2 outer, double from, double to,
         double x = inner.x + d * (d < 0.0 ? by_x_near : by_x);
         if (bound) x = fmax(x, least_x);
         ring[i] = pith_v3(x, loop[i].y * by_y, inner.y + d * by_z);
-        if (fabs(ring[i].y) > slope * x) narrow = fmin(narrow, slope * x / fabs(ring[i].y));
+        if (isfinite(slope) && fabs(ring[i].y) > slope * x) narrow = fmin(narrow, slope * x / fabs(ring[i].y));
     }
     for (size_t i = 0; i < across; ++i) ring[i].y *= narrow;
 }
