@@ -19,6 +19,7 @@ typedef struct pith_facets_view {
     const uint32_t (*mates)[3];     /* [triangle_count] the same edge in the neighbour; PITH_NONE along the border */
     const uint32_t (*marks)[3];     /* [triangle_count] of the edge as seen from this triangle (pith_facets_cut), or
                                        PITH_NONE. The neighbour has a mark of its own */
+    const uint32_t *leaving;        /* [vertex_count] an edge that leaves the vertex; PITH_NONE where no triangle is */
     const uint32_t *facets;         /* [triangle_count] */
     const uint32_t *sources;        /* [facet_count] the lowest triangle of the surface that lies in it */
     const pith_vec3 *normals;       /* [facet_count] unit */

@@ -432,6 +432,7 @@ pith_facets_view pith_facets_look(const pith_facets *f)
                                .triangles = (const uint32_t(*)[3])f->triangles,
                                .mates = (const uint32_t(*)[3])f->mates,
                                .marks = (const uint32_t(*)[3])f->marks,
+                               .leaving = f->at,
                                .facets = f->facets,
                                .sources = f->sources,
                                .normals = f->normals,
