@@ -46,6 +46,8 @@ typedef struct placed_triangle {
 
 struct pith_diffusion {
     sheets sheets;
+    uint32_t *surface_start; /* [surface_count + 1] first sheet triangle of each surface */
+    uint32_t surface_count;
     placed_triangle *placed; /* [triangle_count] */
     RTCDevice device;
     RTCScene scene;
@@ -75,6 +77,14 @@ typedef struct nearest_sheet {
 /* Nearest point when it is within `reach` of p, scene units. When none is, the answer is some point farther away or the
    triangle PITH_NONE. Double precision; of triangles at the same distance the lowest. */
 nearest_sheet scene_nearest(const pith_diffusion *diffusion, pith_vec3 p, double reach);
+/* Whether something in that direction from the nearest point, or next to it, lies on the back of the sheet. */
+bool nearest_sheet_behind(const pith_diffusion *diffusion, const nearest_sheet *near, pith_vec3 direction);
+/* The colour of a side of a sheet triangle at a place in it. */
+static inline paint sheet_colour(const pith_diffusion *diffusion, uint32_t triangle, bool back, const double weights[3])
+{
+    const side_paint *side = &diffusion->sheets.sides[triangle][back];
+    return side->a + (float)weights[1] * side->to_b + (float)weights[2] * side->to_c;
+}
 
 /* ---- pmvc.c, walks.c: the ways to a colour -------------------------------------------------------------------------- */
 

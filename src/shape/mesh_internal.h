@@ -211,6 +211,8 @@ void mesh_stab_clear(mesh_stab *stab);
 int mesh_orient3d(pith_vec3 a, pith_vec3 b, pith_vec3 c, pith_vec3 d);
 /* Sign of (b - a) x (c - a) in the plane left when `axis` (0, 1, 2) is dropped, exact. */
 int mesh_orient2d(pith_vec3 a, pith_vec3 b, pith_vec3 c, int axis);
+/* Sign of the component of (b - a) x (d - c) along `axis`, exact. */
+int mesh_cross_sign(pith_vec3 a, pith_vec3 b, pith_vec3 c, pith_vec3 d, int axis);
 
 /* ---- mesh_turn.c, mesh_measure.c: steps of cleaning -------------------------------------------------------------- */
 
