@@ -96,8 +96,14 @@ pith_status pith_diffusion_create(const pith_diffusion_surface *surfaces, size_t
         return pith_fail(err, PITH_BAD_ARGUMENT, "there is no diffusion surface, so there is no colour to flow");
     pith_diffusion *made = pith_alloc(1, sizeof *made);
     if (!made) return PITH_OUT_OF_MEMORY(err, "diffusion surfaces");
-    pith_status status = PITH_OK;
-    for (size_t i = 0; status == PITH_OK && i < count; ++i) status = sheets_add(&made->sheets, &surfaces[i], i, err);
+    made->surfaces = pith_alloc(count, sizeof *made->surfaces);
+    made->surface_count = count;
+    pith_status status = made->surfaces ? PITH_OK : PITH_OUT_OF_MEMORY(err, "diffusion surfaces");
+    for (size_t i = 0; status == PITH_OK && i < count; ++i) {
+        made->surfaces[i].first_triangle = made->sheets.triangle_count;
+        surface_title(&surfaces[i], i, made->surfaces[i].title);
+        status = sheets_add(&made->sheets, &surfaces[i], i, err);
+    }
     if (status == PITH_OK) {
         find_frame(made);
         status = place_triangles(made, err);
@@ -118,6 +124,8 @@ void pith_diffusion_destroy(pith_diffusion *diffusion)
     if (diffusion->device) rtcReleaseDevice(diffusion->device);
     sheets_free(&diffusion->sheets);
     pith_free(diffusion->placed);
+    pith_free(diffusion->surfaces);
+    poisson_destroy(diffusion->poisson);
     pith_free(diffusion);
 }
 
