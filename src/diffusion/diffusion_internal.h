@@ -1,4 +1,5 @@
-/* What the files of the room share: the sheets that rays meet, the scene they stand in, and the two ways to a colour. */
+/* What the files of the room share: the sheets that rays meet, the scene they stand in, and the three ways to a
+   colour. */
 #ifndef PITH_DIFFUSION_INTERNAL_H
 #define PITH_DIFFUSION_INTERNAL_H
 
@@ -44,15 +45,24 @@ typedef struct placed_triangle {
     double offset;
 } placed_triangle;
 
+/* Where the sheets of a surface begin, and how messages call it. */
+typedef struct surface_place {
+    uint32_t first_triangle;
+    char title[SURFACE_TITLE];
+} surface_place;
+
+typedef struct poisson poisson;
+
 struct pith_diffusion {
     sheets sheets;
-    uint32_t *surface_start; /* [surface_count + 1] first sheet triangle of each surface */
-    uint32_t surface_count;
+    surface_place *surfaces; /* [surface_count + 1]; the last is behind all */
+    size_t surface_count;
     placed_triangle *placed; /* [triangle_count] */
     RTCDevice device;
     RTCScene scene;
     pith_vec3 centre;
     double scale; /* scene = (model - centre) * scale; the sheets lie in the unit ball */
+    poisson *poisson; /* NULL: not prepared */
 };
 
 /* Points farther from the middle than this, in radii, see nothing. */
@@ -86,7 +96,7 @@ static inline paint sheet_colour(const pith_diffusion *diffusion, uint32_t trian
     return side->a + (float)weights[1] * side->to_b + (float)weights[2] * side->to_c;
 }
 
-/* ---- pmvc.c, walks.c: the ways to a colour -------------------------------------------------------------------------- */
+/* ---- pmvc.c, walks.c, poisson.c: the ways to a colour -------------------------------------------------------------------------- */
 
 /* Sum of weighted colours as seen from one point. Everything is measured from the first colour seen, so that where all
    are the same the mean is exactly that. */
@@ -120,7 +130,14 @@ enum { PACKET = 8 };
 /* Answers points[order[0 .. count)] into colours at the same places. Allocates
    nothing. */
 void pmvc_answer(const asker *with, const pith_vec3 *points, const uint32_t *order, size_t count, float (*colours)[4]);
+void poisson_answer(const asker *with, const pith_vec3 *points, const uint32_t *order, size_t count,
+                    float (*colours)[4]);
 void walks_answer(const asker *with, const pith_vec3 *points, const uint32_t *order, size_t count, float (*colours)[4]);
+/* What poisson_answer needs; the report must be given. */
+pith_status poisson_create(const pith_diffusion *diffusion, const pith_diffusion_options *options,
+                           const pith_progress *progress, poisson **created, pith_diffusion_report *report,
+                           pith_error *err);
+void poisson_destroy(poisson *gone);
 /* One point, ray by ray, in double precision: what pmvc_answer is tested against. */
 void pmvc_plain(const asker *with, pith_vec3 point, float colour[4]);
 

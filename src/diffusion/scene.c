@@ -96,11 +96,13 @@ pith_status pith_diffusion_create(const pith_diffusion_surface *surfaces, size_t
         return pith_fail(err, PITH_BAD_ARGUMENT, "there is no diffusion surface, so there is no colour to flow");
     pith_diffusion *made = pith_alloc(1, sizeof *made);
     if (!made) return PITH_OUT_OF_MEMORY(err, "diffusion surfaces");
-    made->surface_start = pith_alloc(count + 1, sizeof *made->surface_start);
-    pith_status status = made->surface_start ? PITH_OK : PITH_OUT_OF_MEMORY(err, "diffusion surfaces");
+    made->surfaces = pith_alloc(count + 1, sizeof *made->surfaces);
+    made->surface_count = count;
+    pith_status status = made->surfaces ? PITH_OK : PITH_OUT_OF_MEMORY(err, "diffusion surfaces");
     for (size_t i = 0; status == PITH_OK && i < count; ++i) {
+        surface_title(&surfaces[i], i, made->surfaces[i].title);
         status = sheets_add(&made->sheets, &surfaces[i], i, err);
-        made->surface_start[++made->surface_count] = made->sheets.triangle_count;
+        made->surfaces[i + 1].first_triangle = made->sheets.triangle_count;
     }
     if (status == PITH_OK) {
         find_frame(made);
@@ -122,7 +124,8 @@ void pith_diffusion_destroy(pith_diffusion *diffusion)
     if (diffusion->device) rtcReleaseDevice(diffusion->device);
     sheets_free(&diffusion->sheets);
     pith_free(diffusion->placed);
-    pith_free(diffusion->surface_start);
+    pith_free(diffusion->surfaces);
+    poisson_destroy(diffusion->poisson);
     pith_free(diffusion);
 }
 

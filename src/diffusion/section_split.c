@@ -71,10 +71,10 @@ static bool stands_for_segment(const splitting *s, uint32_t h)
 
 static uint32_t surface_of(const pith_diffusion *diffusion, uint32_t triangle)
 {
-    uint32_t low = 0, high = diffusion->surface_count;
+    uint32_t low = 0, high = (uint32_t)diffusion->surface_count;
     while (high - low > 1) {
         const uint32_t middle = low + (high - low) / 2;
-        *(diffusion->surface_start[middle] <= triangle ? &low : &high) = middle;
+        *(diffusion->surfaces[middle].first_triangle <= triangle ? &low : &high) = middle;
     }
     return low;
 }

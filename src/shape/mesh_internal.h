@@ -226,8 +226,8 @@ pith_status mesh_measure_into(const pith_mesh *mesh, pith_mesh_report *report, p
 #define MESH_CROSSING_LIMIT 10000
 
 /* Pairs of triangles that meet elsewhere than in the vertices and edges they share; stops at the limit. `at` is one
-   place when the count is not 0. */
+   place when the count is not 0, and pair (may be NULL) the triangles there. */
 pith_status mesh_count_crossings(const pith_mesh_view *view, const mesh_tree *tree, uint32_t *count, pith_vec3 *at,
-                                 pith_error *err);
+                                 uint32_t pair[2], pith_error *err);
 
 #endif
