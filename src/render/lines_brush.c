@@ -218,18 +218,18 @@ static void smooth_widths(canvas *c)
         }
 }
 
-/* What the stroke's free ends leave of its width at a distance along it. */
-static double taper(const pith_line_options *o, const lines_stroke *stroke, double along, double length)
+/* The width that the stroke's ends leave of its own at a distance along it. */
+static double ended(const pith_line_options *o, const lines_stroke *stroke, double width, double along, double length)
 {
     const bool both = stroke->ends[0] == LINES_FREE && stroke->ends[1] == LINES_FREE;
     const double over = fmin(o->taper, both ? 0.5 * length : length);
-    double kept = 1.0;
     for (int k = 0; k < 2 && !stroke->closed; ++k) {
         const double left = k ? length - along : along;
-        if (stroke->ends[k] != LINES_FREE || !(left < over)) continue;
-        kept *= left / over * (2.0 - left / over);
+        if (stroke->ends[k] == LINES_FREE && left < over) width *= left / over * (2.0 - left / over);
+        if (stroke->ends[k] == LINES_JOINED && left < 2.0 * settle && stroke->joined_width[k] < width)
+            width += ramp(1.0 - left / (2.0 * settle)) * (stroke->joined_width[k] - width);
     }
-    return kept;
+    return width;
 }
 
 /* Of two places, the noise at the first, and near the ends that of the line they lie on. */
@@ -260,8 +260,8 @@ static bool draw_stroke(const brush *b, const lines_point *from, const lines_str
         lines_point p = c->points[i];
         const double along = c->step * (double)i;
         const double pressure = waves_at(&b->pressure, pith_sub(p.at, b->origin));
+        p.width = ended(o, stroke, p.width, along, length);
         p.width *= 1.0 + o->pressure * fmin(1.0, fmax(-1.0, 0.7 * pressure));
-        p.width *= taper(o, stroke, along, length);
         if (o->wobble > 0.0) {
             p.x += o->wobble * astray(&b->astray[0], b, stroke, p.at, along, length);
             p.y += o->wobble * astray(&b->astray[1], b, stroke, p.at, along, length);

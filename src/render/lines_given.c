@@ -150,7 +150,10 @@ static bool near_a_line(const lines_trace *trace, pith_vec2 spot)
 static bool emit_run(const lines_trace *trace, const piece *p, size_t first, size_t count, bool closed,
                      const uint8_t ends[2], lines_strokes *to)
 {
-    lines_stroke stroke = { .closed = closed, .kind = PITH_STROKE_GIVEN, .ends = { ends[0], ends[1] } };
+    lines_stroke stroke = { .closed = closed,
+                            .kind = PITH_STROKE_GIVEN,
+                            .ends = { ends[0], ends[1] },
+                            .joined_width = { INFINITY, INFINITY } };
     const pith_vec3 borders[2] = { p->at[first % p->count], p->at[(first + count - 1) % p->count] };
     memcpy(stroke.joined, borders, sizeof borders);
     if (!lines_stroke_begin(to, stroke)) return false;

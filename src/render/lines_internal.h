@@ -80,7 +80,8 @@ typedef struct lines_stroke {
     size_t first, count; /* of its points */
     bool closed;
     uint8_t kind, ends[2];
-    pith_vec3 joined[2]; /* where the other line is in the scene */
+    pith_vec3 joined[2];    /* where the other line is in the scene */
+    double joined_width[2]; /* and how wide: an end on it is no wider; INFINITY: it may be */
 } lines_stroke;
 
 typedef struct lines_strokes {

@@ -10,7 +10,7 @@
 static const double window = 8.0;    /* pixels of a chain that tell where it is going */
 static const double islet = 6.0;     /* chains round smaller ones are one line */
 static const double straight = 0.5;  /* cosine of the largest bend over which lines go on where more than two meet */
-static const double kindred = 0.2;   /* what two of a kind have ahead */
+static const double kindred = 0.3;   /* what two of a kind have ahead */
 static const double weak_step = 3.0; /* silhouettes that nowhere stand off more than this are not drawn, pixels */
 static const double bridge = 5.0;    /* free ends nearer than this, that look at each other, are joined, pixels */
 
@@ -251,14 +251,21 @@ static loose_end end_of(const linker *l, uint32_t index, uint32_t end)
     const chain *c = &l->chains[index];
     const size_t last = c->count - 1;
     const lines_crossing *from = crossing_of(l, c, end ? last : 0), *to = from;
-    for (size_t i = 1; i <= last && apart(from, to) < window; ++i) to = crossing_of(l, c, end ? last - i : i);
+    size_t kinds[PITH_STROKE_GIVEN + 1] = { 0 };
+    for (size_t i = 1; i <= last && apart(from, to) < window; ++i) {
+        to = crossing_of(l, c, end ? last - i : i);
+        ++kinds[to->kind];
+    }
+    uint8_t kind = from->kind;
+    for (uint8_t k = 0; k <= PITH_STROKE_GIVEN; ++k)
+        if (kinds[k] > kinds[kind]) kind = k;
     const double length = apart(from, to);
     return (loose_end){ .chain = index,
                         .end = end,
                         .x = length > 0.0 ? (to->x - from->x) / length : 0.0,
                         .y = length > 0.0 ? (to->y - from->y) / length : 0.0,
                         .at = { from->x, from->y },
-                        .kind = from->kind };
+                        .kind = kind };
 }
 
 static void join(linker *l, const loose_end *a, const loose_end *b)
@@ -355,11 +362,15 @@ static pith_status bridge_gaps(linker *l, pith_error *err)
 
 /* ---- strokes ------------------------------------------------------------------------------------------------------ */
 
-static bool emit_crossing(const lines_trace *trace, const lines_crossing *c, lines_strokes *to)
+static double width_at(const lines_trace *trace, const lines_crossing *c)
 {
     const pith_vec3 normal = pith_v3((double)c->normal[0], (double)c->normal[1], (double)c->normal[2]);
-    return lines_stroke_add(
-        to, (lines_point){ c->x, c->y, c->at, lines_width(trace, c->kind, (double)c->gap, c->at, normal) });
+    return lines_width(trace, c->kind, (double)c->gap, c->at, normal);
+}
+
+static bool emit_crossing(const lines_trace *trace, const lines_crossing *c, lines_strokes *to)
+{
+    return lines_stroke_add(to, (lines_point){ c->x, c->y, c->at, width_at(trace, c) });
 }
 
 /* The end of a stroke that goes on as nothing: beyond the border, free, or led up to the lines in its cell. */
@@ -372,15 +383,17 @@ static bool emit_end(const linker *l, const chain *c, uint32_t end, lines_stroke
     }
     /* The middle of the other crossings lies on the line that goes through, to a fraction of a pixel. */
     const lines_crossing *own = crossing_of(l, c, end ? c->count - 1 : 0), *near = own;
-    double x = 0.0, y = 0.0, n = 0.0;
+    double x = 0.0, y = 0.0, n = 0.0, widest = 0.0;
     for (uint32_t v = l->start[node]; v < l->start[node + 1]; ++v) {
         const lines_crossing *other = &l->trace->crossings[l->visits[v].crossing];
         if (other == own) continue;
         x += other->x, y += other->y, n += 1.0;
+        widest = fmax(widest, width_at(l->trace, other));
         if (lines_depth(l->trace, other->at) < lines_depth(l->trace, near->at)) near = other;
     }
     stroke->ends[which] = LINES_JOINED;
     stroke->joined[which] = near->at;
+    stroke->joined_width[which] = n > 0.0 ? widest : INFINITY;
     if (!(n > 0.0)) return true;
     lines_crossing met = *own;
     met.x = x / n, met.y = y / n;
