@@ -10,7 +10,7 @@ static const pith_param line_items[] = {
     { "rims", "1", "lines between skin and section, and between things that touch", PITH_PARAM_BOOL, 0, 1, 1,
       offsetof(pith_line_options, rims), NULL },
     { "creases", "1", "lines along sharp edges", PITH_PARAM_BOOL, 0, 1, 1, offsetof(pith_line_options, creases), NULL },
-    { "crease_angle", "degree", "turn from which an edge is sharp; more draws fewer", PITH_PARAM_DOUBLE, 1, 35, 179,
+    { "crease_angle", "degree", "turn from which an edge is sharp; more draws fewer", PITH_PARAM_DOUBLE, 1, 60, 179,
       offsetof(pith_line_options, crease_angle), NULL },
     { "colours", "1", "lines where a colour changes at once", PITH_PARAM_BOOL, 0, 0, 1,
       offsetof(pith_line_options, colours), NULL },
