@@ -10,11 +10,12 @@
     "\"along\": 12, \"colours\": {\"front\": \"#102030\", \"blur\": 0.01}}"
 #define TWO TUBE("\"front\": \"#c02010\", \"back\": \"#20c040\"") ", " BALL
 
-static desk *open_surfaces(const char *more, const char *surfaces)
+/* place: a key of the shape, or "". */
+static desk *open_surfaces(const char *place, const char *surfaces)
 {
     char text[4000];
-    snprintf(text, sizeof text, "{\"pith\": 1, \"title\": \"sample\", \"shape\": {\"fruit\": {\"detail\": 1}, \"tets\": "
-             "{\"tetrahedra\": 200}}, %s \"surfaces\": [%s]}", more, surfaces);
+    snprintf(text, sizeof text, "{\"pith\": 1, \"title\": \"sample\", \"shape\": {%s \"fruit\": {\"detail\": 1}, "
+             "\"tets\": {\"tetrahedra\": 200}}, \"surfaces\": [%s]}", place, surfaces);
     write_text("kiwi.pith", text);
     desk *made = desk_open(false, false);
     ASK(made, "\"do\": \"hello\"");
