@@ -4,7 +4,7 @@
 import type { App } from './app';
 import { Refusal } from './connection';
 import type { Json, Packet } from './protocol';
-import { bodyKey, solidOf } from './store';
+import { bodyKey, isBounded, solidOf } from './store';
 import { ColourSheet, type SeenPoints } from './view/asked';
 
 const rest = 160;                   // ms without a change of the view until it rests
@@ -59,7 +59,8 @@ export function installAskedColours(app: App): AskedTimes {
     for (const [i, shift] of places.entries()) {
       for (const body of viewport.voxelBodies()) {
         if (!fresh()) return;
-        const found = viewport.seePoints(body, followsSides(solidOf(store.state, body)?.json), shift);
+        const solid = solidOf(store.state, body)?.json, painted = solid?.kind === 'diffusion' && isBounded(store.state, body);
+        const found = viewport.seePoints(body, followsSides(solid), painted, shift);
         const took = await takeAll(body, found, sheet, seen, fresh);
         if (took === null) return;
         points += found.pixels.length;

@@ -69,6 +69,8 @@ export class View {
   readonly faces: Uint32Array;
   readonly head: Packet['head'];
   readonly bytes: number;
+  /** Bodies whose skin has colours of its own. */
+  readonly skinned = new Set<number>();
   private readonly normals: Int16Array | undefined;
   private readonly owned: THREE.Texture[] = [];
 
@@ -175,6 +177,7 @@ export class View {
   /** Shows these colours, [vertices][4], on the skin where a solid is drawn from voxels: those lie within it. */
   colourSkin(body: number, vertices: Uint32Array, colours: Uint8Array): void {
     const place = new Map<number, number>();
+    this.skinned.add(body);
     vertices.forEach((v, i) => place.set(v, i));
     for (const { body: own, triangles: [first, count], mesh } of this.parts) {
       const skin = mesh.geometry.getAttribute('skin') as THREE.BufferAttribute | undefined;
