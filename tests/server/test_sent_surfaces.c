@@ -249,6 +249,27 @@ static void test_grains_say_the_form_of_one(void **state)
     desk_close(at);
 }
 
+static void test_a_body_like_another_has_its_surfaces(void **state)
+{
+    (void)state;
+    write_text("kiwi.pith", "{\"pith\": 1, \"bodies\": [{\"name\": \"one\", \"shape\": {\"fruit\": {\"detail\": 1}, \"tets\": "
+                            "{\"tetrahedra\": 200}}, \"surfaces\": [" TWO "]}, {\"name\": \"other\", \"like\": \"one\", "
+                            "\"shape\": {\"place\": {\"move_x\": 3}}}]}");
+    desk *at = desk_open(false, false);
+    ASK(at, "\"do\": \"hello\"");
+    const json_t *event = wait_for_list(at), *body = json_array_get(json_object_get(event, "bodies"), 1);
+    assert_string_equal(text_of(body, "name"), "other");
+    const char *key = json_string_value(json_array_get(json_object_get(body, "surfaces"), 0));
+    assert_non_null(key);
+    assert_string_not_equal(key, key_of(event, 0));
+    const packet *tube = find_surface(at, key, NULL);
+    size_t count;
+    float(*points)[3] = array_of(tube, "positions", &count);
+    assert_true(count > 0);
+    for (size_t v = 0; v < count / 3; ++v) CHECK_NEAR(hypot(points[v][0] - 3.0, points[v][1]), 0.5, 1e-6);
+    desk_close(at);
+}
+
 static void test_what_cannot_be_made_is_told_and_the_rest_stays(void **state)
 {
     (void)state;
@@ -294,6 +315,7 @@ int main(void)
         TEST(test_flipping_exchanges_the_sides),
         TEST(test_placed_surfaces_say_where_they_were_drawn),
         TEST(test_grains_say_the_form_of_one),
+        TEST(test_a_body_like_another_has_its_surfaces),
         TEST(test_what_cannot_be_made_is_told_and_the_rest_stays),
         TEST(test_the_last_surface_that_goes_leaves_an_empty_list),
     };
