@@ -156,7 +156,7 @@ int verb_bench(int argc, char **argv)
         { "csv", 0, CLI_SWITCH, &csv, NULL, "print CSV, as kept in bench/results", 0, 0, NULL },
     };
     cli_line line = {
-        .verb = "bench", .words = "lapped|fields|render|cut|layers|blend|volume|procedural|atlas|diffusion",
+        .verb = "bench", .words = "lapped|fields|render|cut|layers|blend|volume|procedural|atlas|diffusion|sketch_surface",
         .least_words = 1, .most_words = 1,
         .flags = flags, .flag_count = sizeof flags / sizeof *flags,
         .summary = "Measures. Each case has times (least and median of repeated runs), a figure of quality beside them, and\n"
