@@ -159,11 +159,7 @@ int verb_bench(int argc, char **argv)
         { "csv", 0, CLI_SWITCH, &csv, NULL, "print CSV, as kept in bench/results", 0, 0, NULL },
     };
     cli_line line = {
-<<<<<<< HEAD
         .verb = "bench", .words = "lapped|fields|render|cut|layers|blend|volume|procedural|atlas|lines|diffusion|sketch_surface|methods",
-=======
-        .verb = "bench", .words = "lapped|fields|render|cut|layers|blend|volume|procedural|atlas|diffusion|sketch_surface",
->>>>>>> sketchsurface
         .least_words = 1, .most_words = 1,
         .flags = flags, .flag_count = sizeof flags / sizeof *flags,
         .summary = "Measures. Each case has times (least and median of repeated runs), a figure of quality beside them, and\n"
