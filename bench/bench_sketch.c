@@ -129,8 +129,8 @@ static pith_status run_curve(size_t count, int repeats, json_t *cases, pith_erro
     pith_vec2 *points = pith_alloc(count, sizeof *points);
     bench_times checks = { .count = 0 }, drags = { .count = 0 };
     pith_status status = points ? PITH_OK : PITH_OUT_OF_MEMORY(err, "a curve");
-    for (size_t i = 0; status == PITH_OK && i < count; ++i) { /* a spiral: sixty turns beside one another */
-        const double angle = 120.0 * M_PI * sqrt((double)(i + 1) / (double)count);
+    for (size_t i = 0; status == PITH_OK && i < count; ++i) { /* a spiral: up to sixty turns beside one another */
+        const double angle = 1.2 * M_PI * sqrt((double)(i + 1));
         points[i] = around(angle, angle);
     }
     for (int i = 0; status == PITH_OK && i <= repeats; ++i) {
