@@ -21,6 +21,7 @@ static const bench benches[] = {
     { "diffusion", "colours between surfaces, by rays and by walks: points per second and errors", bench_diffusion },
     { "sketch_surface", "grains, painting and erasing: seconds over sizes", bench_sketch_surface },
     { "methods", "the three ways colours flow between surfaces: times, memory, and how far apart they are", bench_methods },
+    { "sketch", "surfaces swept from curves, curves checked and dragged, random variations", bench_sketch },
 };
 enum { BENCH_COUNT = sizeof benches / sizeof *benches };
 
@@ -159,7 +160,7 @@ int verb_bench(int argc, char **argv)
         { "csv", 0, CLI_SWITCH, &csv, NULL, "print CSV, as kept in bench/results", 0, 0, NULL },
     };
     cli_line line = {
-        .verb = "bench", .words = "lapped|fields|render|cut|layers|blend|volume|procedural|atlas|lines|diffusion|sketch_surface|methods",
+        .verb = "bench", .words = "lapped|fields|render|cut|layers|blend|volume|procedural|atlas|lines|diffusion|sketch_surface|methods|sketch",
         .least_words = 1, .most_words = 1,
         .flags = flags, .flag_count = sizeof flags / sizeof *flags,
         .summary = "Measures. Each case has times (least and median of repeated runs), a figure of quality beside them, and\n"
