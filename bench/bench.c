@@ -17,7 +17,7 @@ static const bench benches[] = {
     { "volume", "translucent pictures of a fibrous tube", bench_volume },
     { "procedural", "noise and the functions on it: points per second on one core", bench_procedural },
     { "atlas", "texture atlases of shipped models: texels a second, charts, use of the atlas", bench_atlas },
-    { "diffusion", "colours between surfaces, by rays and by walks: points per second and errors", bench_diffusion },
+    { "diffusion", "colours between surfaces, by rays and by walks: points per second and errors; sections as meshes", bench_diffusion },
 };
 enum { BENCH_COUNT = sizeof benches / sizeof *benches };
 

@@ -349,7 +349,7 @@ static pith_status copy_surface(pith_facets *f, const pith_mesh_view *surface, p
         return PITH_OUT_OF_MEMORY(err, "facets");
     PITH_TRY(facets_room(f, surface->vertex_count, 0, err));
     for (uint32_t v = 0; v < surface->vertex_count; ++v) facets_add_vertex(f, surface->positions[v]);
-    memcpy(f->corners, surface->triangles, n * sizeof *f->corners);
+    if (n > 0) memcpy(f->corners, surface->triangles, n * sizeof *f->corners);
     memset(f->across, 0xff, n * sizeof *f->across);
     return PITH_OK;
 }
