@@ -245,6 +245,7 @@ static void list_doubts(const section_work *work, const pith_facets_view *view, 
         else
             memcpy(r->good[t], view->triangles[t], sizeof *r->good);
     }
+    if (r->count == 0) return;
     qsort(r->doubts, r->count, sizeof *r->doubts, by_edge);
     uint32_t kept = 0;
     for (uint32_t i = 0; i < r->count; ++i) {

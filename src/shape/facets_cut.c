@@ -390,6 +390,7 @@ static bool same_end(const cut_end *a, const cut_end *b)
 
 static pith_status insert_ends(cutting *c, pith_error *err)
 {
+    if (c->end_count == 0) return PITH_OK;
     find_places(c);
     qsort(c->ends, c->end_count, sizeof *c->ends, by_place);
     uint32_t last = PITH_NONE;

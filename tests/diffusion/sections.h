@@ -252,6 +252,7 @@ static inline void check_whole(const pith_diffusion_section *section, const pith
     CHECK_NEAR(m.area, of.area, 1e-9 * of.area);
     assert_int_equal(m.euler, of.euler);
     assert_true(m.jumps <= view.segment_count);
+    assert_int_equal(view.lost, 0);
     for (uint32_t t = 0; t < view.triangle_count; ++t) assert_true(view.sources[t] < cutting->triangle_count);
     for (uint32_t v = 0; v < view.vertex_count; ++v)
         for (int k = 0; k < 4; ++k) assert_true(view.colours[v][k] >= 0.0f && view.colours[v][k] <= 1.5f);

@@ -2,6 +2,8 @@
    on both surfaces and close, whatever touches whatever. */
 #include "check.h"
 
+#include "mesh_internal.h"
+
 #include "pith/shape_facets.h"
 
 static pith_error err;
@@ -549,6 +551,34 @@ static void test_points_and_divided_edges(void **state)
     }
 }
 
+/* ---- signs -------------------------------------------------------------------------------------------------------------------- */
+
+/* Of products of differences, against whole numbers; half of the directions are parallel. */
+static void test_signs_of_cross_products(void **state)
+{
+    (void)state;
+    pith_rng rng = pith_rng_make(21, 0);
+    int zeros = 0;
+    for (int i = 0; i < 20000; ++i) {
+        int64_t c[4][3];
+        for (int v = 0; v < 4; ++v)
+            for (int k = 0; k < 3; ++k) c[v][k] = (int64_t)(pith_rng_u32(&rng) >> 2) - (1 << 29);
+        if (i % 2) /* d = c + (b - a), but for a last unit now and then */
+            for (int k = 0; k < 3; ++k) c[3][k] = c[2][k] + c[1][k] - c[0][k] + (i % 8 == 1 && k == i / 8 % 3);
+        pith_vec3 p[4];
+        for (int v = 0; v < 4; ++v)
+            p[v] = pith_scale(pith_v3((double)c[v][0], (double)c[v][1], (double)c[v][2]), 0x1p-40);
+        for (int axis = 0; axis < 3; ++axis) {
+            const int x = (axis + 1) % 3, y = (axis + 2) % 3;
+            const int64_t exact = (c[1][x] - c[0][x]) * (c[3][y] - c[2][y]) -
+                                   (c[1][y] - c[0][y]) * (c[3][x] - c[2][x]);
+            assert_int_equal(mesh_cross_sign(p[0], p[1], p[2], p[3], axis), (exact > 0) - (exact < 0));
+            zeros += exact == 0;
+        }
+    }
+    assert_true(zeros > 10000);
+}
+
 /* ---- odd surfaces ------------------------------------------------------------------------------------------------------------ */
 
 /* Needles and caps far thinner than the tolerance, as cuts through tetrahedra leave them. */
@@ -646,6 +676,7 @@ int main(void)
         cmocka_unit_test(test_a_border_in_the_other_surface),
         cmocka_unit_test(test_surfaces_that_cross_each_other),
         cmocka_unit_test(test_points_and_divided_edges),
+        cmocka_unit_test(test_signs_of_cross_products),
         cmocka_unit_test(test_slivers),
         cmocka_unit_test(test_nothing_and_refusals),
         cmocka_unit_test(test_memory_runs_out),
