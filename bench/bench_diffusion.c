@@ -1,11 +1,7 @@
 /* pith bench diffusion: colours that flow between surfaces, by rays and by walks: points a second on all threads, in the
    order of a picture and scattered, and how far the colours are from those of very many rays or walks; and how the time
    of a picture grows with triangles and pixels. */
-<<<<<<< HEAD
 #include "bench_objects.h"
-=======
-#include "diffusion_object.h"
->>>>>>> dsection
 
 #include <stdlib.h>
 #include <string.h>
@@ -45,11 +41,7 @@ static void free_questions(questions *gone)
 
 /* ---- measuring ----------------------------------------------------------------------------------------------------------- */
 
-<<<<<<< HEAD
 static double time_once(const bench_object *of, const pith_diffusion_options *how, const pith_vec3 *points, size_t count,
-=======
-static double time_once(const diffusion_object *of, const pith_diffusion_options *how, const pith_vec3 *points, size_t count,
->>>>>>> dsection
                         const questions *with, pith_status *status, pith_error *err)
 {
     const double begin = pith_seconds();
@@ -58,11 +50,7 @@ static double time_once(const diffusion_object *of, const pith_diffusion_options
 }
 
 /* Root mean square and largest difference of the colours at some of the points from those in `expected`. */
-<<<<<<< HEAD
 static pith_status measure_error(const bench_object *of, const pith_diffusion_options *how, const pith_vec3 *points,
-=======
-static pith_status measure_error(const diffusion_object *of, const pith_diffusion_options *how, const pith_vec3 *points,
->>>>>>> dsection
                                  size_t count, const float (*expected)[4], double *rms, double *largest,
                                  pith_error *err)
 {
@@ -79,11 +67,7 @@ static pith_status measure_error(const diffusion_object *of, const pith_diffusio
     return PITH_OK;
 }
 
-<<<<<<< HEAD
 static pith_status run_method(const bench_object *of, uint32_t method, const questions *with, int repeats, json_t *cases,
-=======
-static pith_status run_method(const diffusion_object *of, uint32_t method, const questions *with, int repeats, json_t *cases,
->>>>>>> dsection
                               pith_error *err)
 {
     const bool by_rays = method == PITH_DIFFUSION_PMVC;
@@ -123,32 +107,15 @@ static pith_status run_method(const diffusion_object *of, uint32_t method, const
     return PITH_OK;
 }
 
-<<<<<<< HEAD
-static pith_status create(bench_object *of, bench_make_object *make, uint32_t detail, pith_error *err)
-{
-    PITH_TRY(make(of, detail, err));
-    return pith_diffusion_create(of->surfaces, of->count, &of->diffusion, err);
-}
-
 static pith_status compare_methods(const char *name, bench_make_object *make, int repeats, json_t *cases, pith_error *err)
 {
     questions with;
     bench_object of = { .name = name };
-=======
-static pith_status compare_methods(const char *name, diffusion_object_make *make, int repeats, json_t *cases, pith_error *err)
-{
-    questions with;
-    diffusion_object of = { .name = name };
->>>>>>> dsection
     pith_status status = make_questions(SIDE, &with) ? PITH_OK : PITH_OUT_OF_MEMORY(err, "points");
-    if (status == PITH_OK) status = diffusion_object_create(&of, make, 4, err);
+    if (status == PITH_OK) status = bench_object_create(&of, make, 4, err);
     for (uint32_t method = 0; status == PITH_OK && method < 2; ++method)
         status = run_method(&of, method, &with, repeats, cases, err);
-<<<<<<< HEAD
     bench_object_free(&of);
-=======
-    diffusion_object_free(&of);
->>>>>>> dsection
     free_questions(&with);
     return status;
 }
@@ -157,21 +124,13 @@ static pith_status compare_methods(const char *name, diffusion_object_make *make
 static pith_status run_size(uint32_t detail, int side, int repeats, json_t *cases, pith_error *err)
 {
     questions with;
-<<<<<<< HEAD
     bench_object of = { .name = "picture" };
-=======
-    diffusion_object of = { .name = "picture" };
->>>>>>> dsection
     pith_diffusion_options how = pith_diffusion_options_default();
     how.rays = 128;
     bench_times times = { .count = 0 };
     pith_status status = make_questions(side, &with) ? PITH_OK : PITH_OUT_OF_MEMORY(err, "points");
     const double begin = pith_seconds();
-<<<<<<< HEAD
-    if (status == PITH_OK) status = create(&of, bench_fruit, detail, err);
-=======
-    if (status == PITH_OK) status = diffusion_object_create(&of, diffusion_object_fruit, detail, err);
->>>>>>> dsection
+    if (status == PITH_OK) status = bench_object_create(&of, bench_fruit, detail, err);
     const double made = pith_seconds() - begin;
     for (int i = 0; status == PITH_OK && i <= repeats; ++i) {
         const double took = time_once(&of, &how, with.points, with.count, &with, &status, err);
@@ -187,24 +146,15 @@ static pith_status run_size(uint32_t detail, int side, int repeats, json_t *case
                                                1e-6 * how.rays * (double)with.count / bench_min(&times), "picture_s",
                                                bench_min(&times), "create_s", made));
     }
-<<<<<<< HEAD
     bench_object_free(&of);
-=======
-    diffusion_object_free(&of);
->>>>>>> dsection
     free_questions(&with);
     return status;
 }
 
 pith_status bench_diffusion(const bench_options *options, json_t *cases, pith_error *err)
 {
-<<<<<<< HEAD
     PITH_TRY(compare_methods("balls", bench_balls, options->repeats, cases, err));
     PITH_TRY(compare_methods("fruit", bench_fruit, options->repeats, cases, err));
-=======
-    PITH_TRY(compare_methods("balls", diffusion_object_balls, options->repeats, cases, err));
-    PITH_TRY(compare_methods("fruit", diffusion_object_fruit, options->repeats, cases, err));
->>>>>>> dsection
     for (uint32_t detail = 3; detail <= 7; ++detail) PITH_TRY(run_size(detail, SIDE, options->repeats, cases, err));
     for (int side = 32; side <= LARGEST_SIDE; side *= 2) PITH_TRY(run_size(4, side, options->repeats, cases, err));
     return bench_section(options, cases, err);

@@ -152,3 +152,9 @@ pith_status bench_persimmon(bench_object *to, uint32_t detail, pith_error *err)
     }
     return PITH_OK;
 }
+
+pith_status bench_object_create(bench_object *to, bench_make_object *make, uint32_t detail, pith_error *err)
+{
+    PITH_TRY(make(to, detail, err));
+    return pith_diffusion_create(to->surfaces, to->count, &to->diffusion, err);
+}

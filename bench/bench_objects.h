@@ -21,6 +21,8 @@ typedef struct bench_object {
 /* Each adds its surfaces; 20 * 4^detail triangles for the largest of them. */
 typedef pith_status bench_make_object(bench_object *to, uint32_t detail, pith_error *err);
 bench_make_object bench_balls, bench_fruit, bench_onion, bench_persimmon;
+/* Makes it and the diffusion between its surfaces; to be freed after failures, too. */
+pith_status bench_object_create(bench_object *to, bench_make_object *make, uint32_t detail, pith_error *err);
 void bench_object_free(bench_object *gone);
 
 #endif

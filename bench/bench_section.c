@@ -1,6 +1,6 @@
 /* pith bench diffusion, second part: a fruit's section as a mesh with colours, how far it is from a picture of 4096 rays
    a pixel, and the picture pixel by pixel with as few rays as the mesh has, to compare with. */
-#include "diffusion_object.h"
+#include "bench_objects.h"
 
 #include "pith/diffusion_section.h"
 
@@ -32,7 +32,7 @@ static void pixels_free(pixels *gone)
     pith_free(gone->inside);
 }
 
-static pith_status make_pixels(const diffusion_object *of, pixels *made, pith_error *err)
+static pith_status make_pixels(const bench_object *of, pixels *made, pith_error *err)
 {
     made->reference = pith_alloc(SIDE * SIDE, sizeof *made->reference);
     made->colours = pith_alloc(SIDE * SIDE, sizeof *made->colours);
@@ -130,7 +130,7 @@ static void make_disc(double wave, disc *made)
 
 /* ---- runs -------------------------------------------------------------------------------------------------------------------- */
 
-static pith_status time_section(const diffusion_object *of, const pith_diffusion_section_options *options,
+static pith_status time_section(const bench_object *of, const pith_diffusion_section_options *options,
                                 uint32_t rays, const pith_mesh_view *cutting, int repeats, bench_times *times,
                                 pith_diffusion_section **last, pith_error *err)
 {
@@ -148,7 +148,7 @@ static pith_status time_section(const diffusion_object *of, const pith_diffusion
 }
 
 /* One section; cut_s is that of the same mesh before it is refined, with next to no rays. */
-static pith_status run_section(const char *name, const diffusion_object *of, double tolerance, const disc *cutting,
+static pith_status run_section(const char *name, const bench_object *of, double tolerance, const disc *cutting,
                                pixels *compared, int repeats, json_t *cases, pith_error *err)
 {
     pith_diffusion_section_options options = pith_diffusion_section_options_default();
@@ -180,7 +180,7 @@ static pith_status run_section(const char *name, const diffusion_object *of, dou
 }
 
 /* The same picture pixel by pixel: its error has no share of interpolation; its time grows with pixels. */
-static pith_status run_pixels(const diffusion_object *of, int side, pixels *compared, int repeats, json_t *cases,
+static pith_status run_pixels(const bench_object *of, int side, pixels *compared, int repeats, json_t *cases,
                               pith_error *err)
 {
     pith_diffusion_options how = pith_diffusion_options_default();
@@ -223,9 +223,9 @@ static pith_status run_pixels(const diffusion_object *of, int side, pixels *comp
 
 static pith_status run_tolerances(const disc *flat, const disc *wavy, int repeats, json_t *cases, pith_error *err)
 {
-    diffusion_object of = { .name = "fruit" };
+    bench_object of = { .name = "fruit" };
     pixels compared = { 0 };
-    pith_status status = diffusion_object_create(&of, diffusion_object_fruit, 4, err);
+    pith_status status = bench_object_create(&of, bench_fruit, 4, err);
     if (status == PITH_OK) status = make_pixels(&of, &compared, err);
     static const double tolerances[] = { 0.048, 0.024, 0.012, 0.006, 0.003 };
     for (size_t i = 0; status == PITH_OK && i < sizeof tolerances / sizeof *tolerances; ++i) {
@@ -237,20 +237,20 @@ static pith_status run_tolerances(const disc *flat, const disc *wavy, int repeat
     for (int side = 64; status == PITH_OK && side <= 512; side *= 2)
         status = run_pixels(&of, side, side == 128 ? &compared : NULL, repeats, cases, err);
     pixels_free(&compared);
-    diffusion_object_free(&of);
+    bench_object_free(&of);
     return status;
 }
 
 static pith_status run_detail(uint32_t detail, const disc *flat, int repeats, json_t *cases, pith_error *err)
 {
-    diffusion_object of = { .name = "fruit" };
-    pith_status status = diffusion_object_create(&of, diffusion_object_fruit, detail, err);
+    bench_object of = { .name = "fruit" };
+    pith_status status = bench_object_create(&of, bench_fruit, detail, err);
     if (status == PITH_OK) {
         char name[100];
         snprintf(name, sizeof name, "section, fruit, %u triangles", pith_diffusion_triangles(of.diffusion));
         status = run_section(name, &of, 0.012, flat, NULL, repeats, cases, err);
     }
-    diffusion_object_free(&of);
+    bench_object_free(&of);
     return status;
 }
 
