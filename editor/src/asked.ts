@@ -9,6 +9,7 @@ import { ColourSheet, type SeenPoints } from './view/asked';
 
 const rest = 160;                   // ms without a change of the view until it rests
 const most = 1 << 16;               // points in a request: others come between
+const few = 1 << 13;                // of solids that take their time over each
 const often = 120;                  // ms between pictures while colours arrive
 /* The first answer for each pixel is for its middle; these follow, so that edges finer than a pixel become grey. */
 const places = [[0, 0], [-0.375, 0.125], [0.125, 0.375], [0.375, -0.125], [-0.125, -0.375]] as const;
@@ -56,8 +57,9 @@ export function installAskedColours(app: App): AskedTimes {
   async function takeAll(body: number, found: SeenPoints, sheet: ColourSheet, seen: string,
     fresh: () => boolean): Promise<number | null> {
     let shown = performance.now(), bytes = 0;
-    for (let first = 0; first < found.pixels.length; first += most) {
-      const end = Math.min(first + most, found.pixels.length);
+    const step = isSlow(solidOf(store.state, body)?.json) ? few : most;
+    for (let first = 0; first < found.pixels.length; first += step) {
+      const end = Math.min(first + step, found.pixels.length);
       const part = (values: Float32Array | null): Float32Array | null => values && values.subarray(3 * first, 3 * end);
       const arrays: { [name: string]: Float32Array } = { points: part(found.points)!,
         footprints: found.footprints.subarray(first, end) };
@@ -85,6 +87,10 @@ export function installAskedColours(app: App): AskedTimes {
   return times;
 }
 
+/* Colours that flow are gathered by rays from every point. */
+function isSlow(solid: Json | undefined): boolean { return solid?.kind === 'diffusion' || solid?.kind === 'combined'; }
+
+/* On a surface that colours flow from the colour is that of the side. */
 function followsSides(solid: Json | undefined): boolean {
-  return ((solid?.nodes ?? []) as Json[]).some((node) => turned.includes(node.function));
+  return isSlow(solid) || ((solid?.nodes ?? []) as Json[]).some((node) => turned.includes(node.function));
 }

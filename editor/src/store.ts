@@ -55,6 +55,8 @@ export interface State {
   paintRadius: number;              // of the brush, model units; 0: not chosen yet
   paintSide: 'both' | 'front' | 'back';
   paintRepeat: 'once' | 'folds' | 'around';
+  eraseSide: 'click' | 'right' | 'left'; // what of a surface goes: what is clicked, or a side of the stroke
+  surfacesWhy: string | null;       // why the surfaces shown are not what the document says
   keep: 'both' | 'positive' | 'negative'; // of cuts that are drawn
   separate: boolean;                // the same
   chosenCut: number | null;         // the row that Delete takes away
@@ -75,7 +77,7 @@ export const initial: State = {
   tool: 'select', mode: 'solid', body: 0, part: null, paint: 0, erase: false, palette: [0, 0.25, 0.5, 0.75, 1],
   crease: 30, layer: null, isolines: true, lines: 'none', linesOf: '', apart: 0, size: 0, pasting: null,
   selectedSurface: null, shownSurfaces: {}, skin: 0.25, paintWhat: 'colour', paintColour: '#c83c28', recentColours: [],
-  paintBlur: 0, paintRadius: 0, paintSide: 'both', paintRepeat: 'once', keep: 'positive',
+  paintBlur: 0, paintRadius: 0, paintSide: 'both', paintRepeat: 'once', eraseSide: 'click', surfacesWhy: null, keep: 'positive',
   separate: false, chosenCut: null, pointed: null, sketching: false, tab: 'inside', inspector: true, clip: false, theme: 'dark', hint: '', serial: 0,
 };
 
@@ -143,4 +145,19 @@ export function solidOf(state: State, index = state.body): { json: Json; place: 
   if (solids.length === 0) return null;
   const at = Math.max(0, solids.findIndex((solid) => solid.name === body.solid));
   return { json: solids[at], place: `${bodyPlace(state, index)}solids[${at}]` };
+}
+
+/** The surfaces of the body, as the document has them. */
+export function surfacesOf(state: State, index = state.body): Json[] { return (bodyJson(state, index).surfaces ?? []) as Json[]; }
+
+/** The surface that is chosen, and its place in the document; null when there is none. */
+export function chosenSurface(state: State): { json: Json; place: string; index: number } | null {
+  const index = surfacesOf(state).findIndex((surface) => surface.name === state.selectedSurface);
+  return index < 0 ? null : { json: surfacesOf(state)[index], place: `${bodyPlace(state)}surfaces[${index}]`, index };
+}
+
+/** Does a surface bound its body? Then it is the body's skin. */
+export function boundsBody(state: State, body: number, name: string): boolean {
+  const bounds = (bodyJson(state, body).shape?.surfaces ?? []) as string[];
+  return bounds.includes(name) || surfacesOf(state, body).some((each) => each.name === name && each.kind === 'body');
 }

@@ -174,8 +174,14 @@ pith_status pith_model_exemplar(pith_model *model, const pith_grid **exemplar, p
 /** The surfaces that the body's "surfaces" describe, in their order, where they stand. */
 pith_status pith_model_surfaces(pith_model *model, const pith_diffusion_surface **surfaces, size_t *count,
                                 pith_error *err);
+/** The index-th of them where it was drawn, before variation and "place": what brushes and strokes are about. Vertex i of
+ *  the one is vertex i of the other; of grains it is the form of one, whose vertices the surface has over and over. */
+pith_status pith_model_surface_drawn(pith_model *model, size_t index, pith_mesh_view *drawn, pith_error *err);
 /** The solid the model is made of. */
 pith_status pith_model_solid(pith_model *model, const pith_solid **solid, pith_error *err);
+/** The same, as good as is to be seen while something moves, where the solid itself would take long: of diffusion it
+ *  follows few rays. The caller destroys it, before the model; *draft is NULL where the solid is quick by itself. */
+pith_status pith_model_draft(pith_model *model, pith_solid **draft, pith_error *err);
 /** Report of the fill; NULL when the solid is not lapped, or not asked for yet. */
 const pith_lapped_report *pith_model_fill_report(const pith_model *model);
 /** The whole model as a part, for cutting. */

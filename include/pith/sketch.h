@@ -72,6 +72,11 @@ extern const pith_params pith_sketch_params; /* folds 0..64 (0), fold_angle -360
  *  fold (chambers), a number of loops that is neither 1 nor the folds. `folds` 0 has no chambers. */
 pith_status pith_sketch_check(const pith_sketch *sketch, pith_error *err);
 
+/** The feature's vertical curve as its surface has it, at `count` >= 2 points as pith_curve_sample places them. It differs
+ *  from the plain curve at the axis: there it arrives at a right angle, unless its end is given twice, and what runs along
+ *  the axis at an end is left out; it never passes the axis. samples [count], caller's array. */
+pith_status pith_feature_profile(const pith_feature *feature, size_t count, pith_vec2 *samples, pith_error *err);
+
 /** The surface of one feature: one welded mesh (one component per fold for chambers), turned outward where it is closed,
  *  else with its front away from the axis. No positions twice: what meets the axis is one vertex.
  *  around: the horizontal curve is swept along the axis, moved and scaled so that its radius along x is the vertical

@@ -344,10 +344,33 @@ static pith_status build_diffusion(pith_document *made, reader *in, const json_t
     return reader_fail(in, "colours flow between surfaces, and the body has none; give it \"surfaces\"");
 }
 
+static pith_status build_combined(pith_document *made, reader *in, const json_t *from, document_solid *to)
+{
+    const json_t *list = json_object_get(from, "details");
+    to->detail_count = json_array_size(list);
+    to->details = arena_alloc(&made->memory, to->detail_count, sizeof *to->details);
+    if (!to->details) return PITH_OUT_OF_MEMORY(in->err, "details");
+    for (size_t i = 0; i < to->detail_count; ++i) {
+        const json_t *entry = json_array_get(list, i), *weights = json_object_get(entry, "weights");
+        document_detail *detail = &to->details[i];
+        json_options(entry, &pith_detail_params, &detail->options);
+        detail->weight_count = json_array_size(weights);
+        detail->weights = arena_alloc(&made->memory, detail->weight_count, sizeof *detail->weights);
+        if (!detail->weights) return PITH_OUT_OF_MEMORY(in->err, "weights");
+        for (size_t k = 0; k < detail->weight_count; ++k) {
+            weight_value value;
+            json_options(json_array_get(weights, k), &document_weight_params, &value);
+            json_colour(json_object_get(json_array_get(weights, k), "colour"), detail->weights[k].colour);
+            detail->weights[k].weight = value.weight;
+        }
+    }
+    return PITH_OK;
+}
+
 static pith_status build_solid(pith_document *made, reader *in, const json_t *from, const document_body *body,
                                document_solid *to)
 {
-    static const char *const words[] = { "lapped", "grid", "procedural", "diffusion" };
+    static const char *const words[] = { "lapped", "grid", "procedural", "diffusion", "combined" };
     PITH_TRY(document_text(made, json_object_get(from, "name"), &to->name, in->err));
     for (const document_solid *other = body->solids; other < to; ++other)
         if (strcmp(other->name, to->name) == 0) {
@@ -359,27 +382,60 @@ static pith_status build_solid(pith_document *made, reader *in, const json_t *fr
     while (strcmp(words[to->kind], kind) != 0) ++to->kind;
     if (to->kind == SOLID_LAPPED) return build_lapped(made, in, from, body, to);
     if (to->kind == SOLID_PROCEDURAL) return graph_build(made, in, from, body, &to->graph);
+    if (to->kind == SOLID_COMBINED) return build_combined(made, in, from, to);
     if (to->kind == SOLID_DIFFUSION) return build_diffusion(made, in, from, body, to);
     json_options(from, &document_grid_params, &to->grid);
     PITH_TRY(document_path(made, from, "file", &to->grid_file, in->err));
     return check_voxels(in, from, to->grid_file, 1);
 }
 
+/* The number of the solid of that name; `in` stands at the name. */
+static pith_status find_solid(reader *in, const char *name, const document_body *body, size_t *found)
+{
+    const char *names[64] = { NULL };
+    for (size_t i = 0; i < body->solid_count; ++i) {
+        if (strcmp(body->solids[i].name, name) == 0) {
+            *found = i;
+            return PITH_OK;
+        }
+        if (i < 63) names[i] = body->solids[i].name;
+    }
+    const char *near = pith_nearest_word(name, names);
+    return reader_fail(in, "no solid is called \"%.60s\"%s%s%s", name,
+                       near ? "; did you mean \"" : "", near ? near : "", near ? "\"?" : "");
+}
+
 static pith_status choose_solid(reader *in, const json_t *name, document_body *to)
 {
     if (!name) return PITH_OK;
-    const char *names[64] = { NULL };
-    for (size_t i = 0; i < to->solid_count; ++i) {
-        if (strcmp(to->solids[i].name, json_string_value(name)) == 0) {
-            to->solid = i;
-            return PITH_OK;
-        }
-        if (i < 63) names[i] = to->solids[i].name;
+    const size_t length = reader_enter(in, "solid");
+    PITH_TRY(find_solid(in, json_string_value(name), to, &to->solid));
+    reader_leave(in, length);
+    return PITH_OK;
+}
+
+/* A solid under a combined one: any of the body's, but for combined ones. `in` stands at the holder of the key. */
+static pith_status find_under(reader *in, const json_t *holder, const char *key, const document_body *body, size_t *found)
+{
+    const size_t length = reader_enter(in, key);
+    PITH_TRY(find_solid(in, json_string_value(json_object_get(holder, key)), body, found));
+    if (body->solids[*found].kind == SOLID_COMBINED)
+        return reader_fail(in, "is combined itself; take the solids under it");
+    reader_leave(in, length);
+    return PITH_OK;
+}
+
+/* Names of solids are known when all of them are there. */
+static pith_status link_combined(reader *in, const json_t *from, const document_body *body, document_solid *to)
+{
+    PITH_TRY(find_under(in, from, "colour", body, &to->colour));
+    for (size_t i = 0; i < to->detail_count; ++i) {
+        const size_t length = reader_enter(in, "details");
+        reader_enter_at(in, i);
+        PITH_TRY(find_under(in, json_array_get(json_object_get(from, "details"), i), "solid", body, &to->details[i].solid));
+        reader_leave(in, length);
     }
-    const char *near = pith_nearest_word(json_string_value(name), names);
-    reader_enter(in, "solid");
-    return reader_fail(in, "no solid is called \"%.60s\"%s%s%s", json_string_value(name),
-                       near ? "; did you mean \"" : "", near ? near : "", near ? "\"?" : "");
+    return PITH_OK;
 }
 
 static pith_status build_solids(pith_document *made, reader *in, const json_t *from, document_body *to)
@@ -393,6 +449,13 @@ static pith_status build_solids(pith_document *made, reader *in, const json_t *f
         const size_t length = reader_enter(in, "solids");
         reader_enter_at(in, i);
         PITH_TRY(build_solid(made, in, json_array_get(list, i), to, &to->solids[i]));
+        reader_leave(in, length);
+    }
+    for (size_t i = 0; i < count; ++i) {
+        if (to->solids[i].kind != SOLID_COMBINED) continue;
+        const size_t length = reader_enter(in, "solids");
+        reader_enter_at(in, i);
+        PITH_TRY(link_combined(in, json_array_get(list, i), to, &to->solids[i]));
         reader_leave(in, length);
     }
     return choose_solid(in, json_object_get(from, "solid"), to);

@@ -161,8 +161,17 @@ typedef struct document_graph {
     uint64_t hash;                  /* of all it says, but for what is in the files */
 } document_graph;
 
-typedef enum solid_kind { SOLID_LAPPED, SOLID_GRID, SOLID_PROCEDURAL, SOLID_DIFFUSION } solid_kind;
+typedef enum solid_kind { SOLID_LAPPED, SOLID_GRID, SOLID_PROCEDURAL, SOLID_DIFFUSION, SOLID_COMBINED } solid_kind;
 typedef struct grid_options { bool clamp; } grid_options;
+
+/* A solid that lies over another as detail. */
+typedef struct weight_value { double weight; } weight_value;
+typedef struct document_detail {
+    size_t solid;                   /* of the body's */
+    pith_detail_options options;
+    pith_detail_weight *weights;    /* [weight_count] */
+    size_t weight_count;
+} document_detail;
 
 typedef struct document_solid {
     const char *name;
@@ -177,6 +186,9 @@ typedef struct document_solid {
     pith_diffusion_options diffusion;
     size_t *surfaces;               /* [surface_count] of the body's that colours flow between */
     size_t surface_count;
+    size_t colour;                  /* of a combined one: which of the body's solids has its colour */
+    document_detail *details;       /* [detail_count] */
+    size_t detail_count;
 } document_solid;
 
 typedef struct paste_options { double size, mask_radius, drop_off; } paste_options;
@@ -389,7 +401,7 @@ extern const pith_params document_grid_params, document_lens_params, document_de
     document_map_stop_params, document_wave_params;
 extern const pith_params document_reference_params, document_look_params, document_grain_params, document_paint_params,
     document_erase_params;
-extern const pith_params document_part_params;
+extern const pith_params document_part_params, document_weight_params;
 extern const pith_params document_scale_value_params, document_paste_params, document_transfer_params;
 typedef struct depth_value { double depth, within; } depth_value; /* within: of constraints only */
 typedef struct transfer_value { double value, opacity; } transfer_value;

@@ -116,6 +116,11 @@ static const pith_param finish_items[] = {
 };
 const pith_params document_finish_params = { "finish", finish_items, 1, sizeof(finish_options) };
 
+static const pith_param weight_items[] = {
+    { "weight", "1", "multiplies the amount", PITH_PARAM_DOUBLE, 0, 1, 100, offsetof(weight_value, weight), NULL },
+};
+const pith_params document_weight_params = { "weight", weight_items, 1, sizeof(weight_value) };
+
 static const pith_param graph_items[] = {
     { "seed", "1", "another seed makes every random choice of the solid another", PITH_PARAM_SEED, 0, 1, 0x1p53,
       offsetof(struct graph_options, seed), NULL },
@@ -134,7 +139,7 @@ const pith_params *document_tables[MOST_TABLES] = {
     &pith_placement_params, &document_finish_params, &document_map_stop_params, &document_wave_params,
     &pith_sketch_params, &pith_variation_params, &document_reference_params, &pith_feature_params, &document_look_params,
     &pith_brush_params, &document_paint_params, &document_erase_params, &pith_grains_params, &document_grain_params,
-    &pith_diffusion_params,
+    &pith_diffusion_params, &pith_detail_params, &document_weight_params,
 };
 
 const pith_params *const *pith_document_tables(void) { return document_tables; }
@@ -281,6 +286,16 @@ static const grammar paste = {
          { "along", VALUE_POINT, "direction of its t axis; made perpendicular to `up`", NULL }),
     &document_paste_params, NAMES("exemplar", "point", "up", "along", "size"), NULL,
 };
+static const grammar weight = {
+    "weight", "How much of a detail there is where the colour under it is this one; between such colours by nearness.",
+    KEYS({ "colour", VALUE_COLOUR, "the colour under it", NULL }), &document_weight_params, NAMES("colour", "weight"), NULL,
+};
+static const grammar detail = {
+    "detail", "A solid that lies over the colour of another.",
+    KEYS({ "solid", VALUE_TEXT, "its name", NULL },
+         { "weights", VALUE_LIST, "how much of it there is on which colours; left out: the same everywhere", &weight }),
+    &pith_detail_params, NAMES("solid"), NULL,
+};
 #define SOLID_KEYS                                                                                                     \
     { "name", VALUE_TEXT, "what the document calls it", NULL },                                                        \
     { "kind", VALUE_TEXT, "how it is made: the word above", NULL }
@@ -300,6 +315,10 @@ static const grammar solid_kinds[] = {
            { "opacity", VALUE_INPUT, "a node that multiplies the colour's opacity", NULL },
            { "displacement", VALUE_INPUT, "a node that becomes the channel behind the colour's four", NULL }),
       &document_graph_params, NAMES("name", "kind", "nodes", "colour"), NULL },
+    { "combined", "The colour of one solid with others as detail on it.",
+      KEYS(SOLID_KEYS, { "colour", VALUE_TEXT, "the name of the solid that has the colour", NULL },
+           { "details", VALUE_LIST, "what lies over it, in their order", &detail }),
+      NULL, NAMES("name", "kind", "colour", "details"), NULL },
     { "diffusion", "Colours that flow between the body's surfaces.",
       KEYS(SOLID_KEYS, { "surfaces", VALUE_NAMES, "between which of them; default: all", NULL }),
       &pith_diffusion_params, NAMES("name", "kind"), NULL },

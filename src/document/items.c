@@ -44,12 +44,13 @@ static pith_status build_solids(pith_model *model, pith_error *err)
     return PITH_OK;
 }
 
-/* What was turned and is whole is seen without facets. Lapped solids are asked by tets, which only the shell knows. */
+/* What was turned and is whole is seen without facets. Lapped solids, which may lie under combined ones, are asked by
+   tets, which only the shell knows. */
 static bool is_exact(pith_model *model, const pith_model *body)
 {
     const document_body *from = body->body;
     return from->shape == SHAPE_TURNED && !from->displaced && model_cuts(model)->count == 0 && from->solid_count > 0 &&
-           from->solids[from->solid].kind != SOLID_LAPPED;
+           from->solids[from->solid].kind != SOLID_LAPPED && from->solids[from->solid].kind != SOLID_COMBINED;
 }
 
 static pith_status show_exactly(pith_model *model, pith_model *body, pith_render_item *item, pith_error *err)

@@ -61,11 +61,15 @@ void model_took(pith_model *model, size_t member, double start)
 
 enum { SECTION_NAME = 16 };
 
-/* What the cache calls a stage of a body: a single body's stages have their plain names. */
+/* What the cache calls a stage of a body: a single body's stages have their plain names. The exemplars and patches of
+   solids under a combined one have the number of the solid behind them. */
 static void section_name(const pith_model *model, const char *stage, char name[SECTION_NAME])
 {
-    if (model->owner == model) snprintf(name, SECTION_NAME, "%s", stage);
-    else snprintf(name, SECTION_NAME, "%zu:%s", model->index, stage);
+    const bool several = model->owner->body_count > 0;
+    const size_t length = several ? (size_t)snprintf(name, SECTION_NAME, "%zu:%s", model->index, stage)
+                                  : (size_t)snprintf(name, SECTION_NAME, "%s", stage);
+    if (model->other && length < SECTION_NAME)
+        snprintf(name + length, SECTION_NAME - length, ".%zu", model->body->solid);
 }
 
 static bool section_wanted(const char *name, const void *user)
@@ -157,6 +161,23 @@ static pith_model *new_model(const pith_document *document, const pith_progress 
     return made;
 }
 
+pith_model *model_new_inner(pith_model *model, size_t solid, pith_error *err)
+{
+    pith_model *made = new_model(model->document, model->progress);
+    if (made) made->other = pith_alloc(1, sizeof *made->other);
+    if (!made || !made->other) {
+        pith_free(made);
+        PITH_OUT_OF_MEMORY(err, "a solid under another");
+        return NULL;
+    }
+    *made->other = *model->body;
+    made->other->solid = solid;
+    made->body = made->other;
+    made->owner = model->owner;
+    made->index = model->index;
+    return made;
+}
+
 static pith_status add_bodies(pith_model *owner, pith_error *err)
 {
     const pith_document *document = owner->document;
@@ -211,6 +232,8 @@ void pith_model_destroy(pith_model *model)
     pith_free(model->told_parts);
     for (size_t i = 0; i < model->body_count; ++i) pith_model_destroy(model->bodies[i]);
     pith_free(model->bodies);
+    if (model->body) model_drop_inner(model);
+    pith_free(model->other);
     model_release_levels(model);
     cut_list_clear(&model->cuts);
     pith_free(model->quadrics);

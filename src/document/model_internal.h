@@ -1,6 +1,6 @@
 /* A model from the inside: what has been built so far. model.c is its life and its cache; sharing.c holds what was built
    and shares it with other models; model_surfaces.c, model_shape.c,
-   model_fields.c, model_faces.c and model_solid.c build the stages of a
+   model_fields.c, model_faces.c, model_solid.c and model_combined.c build the stages of a
    body; cuts.c has the cuts, levels.c cuts bodies to parts, parts.c hides and moves them, pieces.c makes their shells;
    items.c looks at them. */
 #ifndef PITH_MODEL_INTERNAL_H
@@ -133,6 +133,9 @@ struct pith_model {
     stamp *stamps;              /* [stamp_count] */
     size_t stamp_count, stamp_capacity;
 
+    pith_model **inner;         /* [the body's solid_count] the body made of another solid; NULL: not needed yet */
+    document_body *other;       /* of an inner model: its body; else NULL */
+
     cut_list cuts;              /* of a whole; bodies follow their owner's unless they were given their own */
     bool own_cuts;
     holding **levels;           /* [level_count] of cut_level: after 0, 1, … cuts; NULL where none is kept */
@@ -165,6 +168,10 @@ void model_took(pith_model *model, size_t member, double start);
 pith_status model_hold(pith_model *model, model_stage stage, void *what, pith_error *err);
 /* The same for what borrows another stage than its kind does; itself: none. */
 pith_status model_hold_on(pith_model *model, model_stage stage, void *what, model_stage borrowed, pith_error *err);
+/* The same for what borrows something that is no stage, or nothing (NULL). */
+pith_status model_hold_over(pith_model *model, model_stage stage, void *what, holding *borrowed, pith_error *err);
+/* Takes every stage of the same key over from a model of the same body or of one like it. */
+void model_share_body(pith_model *to, const pith_model *from);
 /* Makes the body's fill its solid. */
 void model_hold_fill(pith_model *model);
 /* The exemplar of a paste, when it is there. */
@@ -190,6 +197,12 @@ void model_note_damage(pith_model *model, const char *what, const pith_error *er
 /* The closed surfaces that bound the body as one mesh; the diffusion between the surfaces of a solid. */
 pith_status surfaces_mesh(pith_model *model, pith_mesh **mesh, pith_error *err);
 pith_status surfaces_diffusion(pith_model *model, const document_solid *solid, pith_diffusion **made, pith_error *err);
+
+/* A model of the same body made of another of its solids, and what is done with all of them. */
+pith_model *model_new_inner(pith_model *model, size_t solid, pith_error *err);
+void model_drop_inner(pith_model *model);
+void model_share_inner(pith_model *to, const pith_model *from);
+pith_status model_build_combined(pith_model *model, const document_solid *from, pith_error *err);
 
 /* Depth and its gradient at the vertices of these tets, and the directions of a body with strokes; arrays of the
    caller. */

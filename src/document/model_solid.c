@@ -2,6 +2,7 @@
 #include "model_internal.h"
 
 #include <stdio.h>
+#include <string.h>
 
 /* ---- exemplar --------------------------------------------------------------------------------------------------------------- */
 
@@ -375,14 +376,40 @@ static pith_status build_diffusion(pith_model *model, const document_solid *from
     return model_hold_on(model, STAGE_SOLID, made, STAGE_DIFFUSION, err);
 }
 
+static pith_status build_combined(pith_model *model, const document_solid *from, pith_error *err)
+{
+    pith_error why;
+    const pith_status status = model_build_combined(model, from, &why);
+    if (status == PITH_OK) return PITH_OK;
+    pith_fail(err, status, "%s", why.message);
+    /* What is wrong with a solid under it has its place already. */
+    const bool placed = strncmp(why.message, model->document->path, strlen(model->document->path)) == 0;
+    return placed ? status : solid_fail(model, status, "", err);
+}
+
 pith_status pith_model_solid(pith_model *model, const pith_solid **solid, pith_error *err)
 {
     const document_solid *chosen = NULL;
     PITH_TRY(chosen_solid(model, &chosen, err));
     if (!model->solid && chosen->kind == SOLID_GRID) PITH_TRY(build_grid(model, chosen, err));
     if (!model->solid && chosen->kind == SOLID_PROCEDURAL) PITH_TRY(build_procedural(model, chosen, err));
+    if (!model->solid && chosen->kind == SOLID_COMBINED) PITH_TRY(build_combined(model, chosen, err));
     if (!model->solid && chosen->kind == SOLID_DIFFUSION) PITH_TRY(build_diffusion(model, chosen, err));
     if (!model->solid) PITH_TRY(obtain_lapped(model, chosen, err));
     if (solid) *solid = model->solid;
     return PITH_OK;
+}
+
+pith_status pith_model_draft(pith_model *model, pith_solid **draft, pith_error *err)
+{
+    enum { ROUGH = 32 };
+    const document_solid *chosen = NULL;
+    PITH_TRY(chosen_solid(model, &chosen, err));
+    PITH_TRY(pith_model_solid(model, NULL, err));
+    *draft = NULL;
+    if (chosen->kind != SOLID_DIFFUSION) return PITH_OK;
+    pith_diffusion_options rough = chosen->diffusion;
+    rough.method = PITH_DIFFUSION_PMVC;
+    rough.rays = rough.rays < ROUGH ? rough.rays : ROUGH;
+    return pith_solid_diffusion(model->diffusion, &rough, draft, err);
 }

@@ -91,13 +91,16 @@ pith_status model_hold(pith_model *model, model_stage stage, void *what, pith_er
 
 pith_status model_hold_on(pith_model *model, model_stage stage, void *what, model_stage borrowed, pith_error *err)
 {
-    const struct stage_row *row = &rows[stage];
+    return model_hold_over(model, stage, what, borrowed == stage ? NULL : model->held[borrowed], err);
+}
+
+pith_status model_hold_over(pith_model *model, model_stage stage, void *what, holding *borrowed, pith_error *err)
+{
     if (model->held[stage]) {
-        row->destroy(what);
+        rows[stage].destroy(what);
         return PITH_OK;
     }
-    holding *on = borrowed == stage ? NULL : model->held[borrowed];
-    PITH_TRY(holding_new(what, row->destroy, on, &model->held[stage], err));
+    PITH_TRY(holding_new(what, rows[stage].destroy, borrowed, &model->held[stage], err));
     set_member(model, stage, what);
     return PITH_OK;
 }
@@ -187,7 +190,7 @@ static bool share_stage(pith_model *to, const pith_model *from, model_stage stag
     return true;
 }
 
-static void share_body(pith_model *to, const pith_model *from)
+void model_share_body(pith_model *to, const pith_model *from)
 {
     bool taken[STAGE_COUNT];
     for (model_stage stage = 0; stage < STAGE_COUNT; ++stage) taken[stage] = share_stage(to, from, stage);
@@ -214,14 +217,20 @@ static const pith_model *counterpart(const pith_model *body, const pith_model *f
     return body->index < from->body_count ? from->bodies[body->index] : NULL;
 }
 
+static void share_with_inner(pith_model *to, const pith_model *from)
+{
+    model_share_body(to, from);
+    if (to->body->solid_count > 0) model_share_inner(to, from);
+}
+
 void pith_model_share(pith_model *to, const pith_model *from)
 {
     for (size_t i = 0; i < to->body_count; ++i) {
         const pith_model *like = counterpart(to->bodies[i], from);
-        if (like) share_body(to->bodies[i], like);
+        if (like) share_with_inner(to->bodies[i], like);
     }
     const pith_model *like = to->body ? counterpart(to, from) : NULL;
-    if (like) share_body(to, like);
+    if (like) share_with_inner(to, like);
     model_share_cuts(to, from);
 }
 

@@ -286,6 +286,28 @@ static pith_status hash_graph(const document_graph *graph, stage_keys *keys, pit
     return PITH_OK;
 }
 
+/* What the solids under it are made from, and how they lie over one another. */
+static pith_status hash_combined(const document_body *body, const document_solid *solid, uint64_t *hash, pith_error *err)
+{
+    document_body under = *body;
+    stage_keys keys;
+    for (size_t i = 0; i <= solid->detail_count; ++i) {
+        under.solid = i < solid->detail_count ? solid->details[i].solid : solid->colour;
+        PITH_TRY(stage_keys_of(&under, &keys, err));
+        *hash = pith_hash_bytes(&keys.solid, sizeof keys.solid, *hash);
+    }
+    for (size_t i = 0; i < solid->detail_count; ++i) {
+        const document_detail *detail = &solid->details[i];
+        *hash = hash_options(&pith_detail_params, &detail->options, *hash);
+        for (size_t k = 0; k < detail->weight_count; ++k) {
+            const weight_value value = { detail->weights[k].weight };
+            *hash = pith_hash_bytes(detail->weights[k].colour, sizeof detail->weights[k].colour, *hash);
+            *hash = hash_options(&document_weight_params, &value, *hash);
+        }
+    }
+    return PITH_OK;
+}
+
 pith_status stage_keys_of(const document_body *body, stage_keys *keys, pith_error *err)
 {
     stage_keys made;
@@ -322,6 +344,7 @@ pith_status stage_keys_of(const document_body *body, stage_keys *keys, pith_erro
         made.diffusion = hash_diffusion(solid, made.surfaces);
         made.solid = hash_options(&pith_diffusion_params, &solid->diffusion, made.diffusion);
     }
+    if (solid && solid->kind == SOLID_COMBINED) PITH_TRY(hash_combined(body, solid, &made.solid, err));
     if (solid && solid->kind == SOLID_PROCEDURAL) PITH_TRY(hash_graph(&solid->graph, &made, err));
     *keys = made;
     return PITH_OK;

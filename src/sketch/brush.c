@@ -5,8 +5,10 @@
 static const char *const repeat_words[] = { "once", "folds", "around", NULL };
 
 static const pith_param brush_items[] = {
-    { "radius", "model units", "vertices within it are met; more of it paints a broader stroke, 0 only the nearest vertex "
-      "of each point", PITH_PARAM_DOUBLE, 0, 0, 1e9, offsetof(pith_brush, radius), NULL },
+    { "radius", "model units",
+      "vertices within it are met; more of it paints a broader stroke, 0 only the nearest vertex "
+      "of each point",
+      PITH_PARAM_DOUBLE, 0, 0, 1e9, offsetof(pith_brush, radius), NULL },
     { "repeat", "1", "once: where it was drawn; folds: and in every other fold; around: all round the axis",
       PITH_PARAM_CHOICE, 0, PITH_BRUSH_ONCE, 2, offsetof(pith_brush, repeat), repeat_words },
 };
@@ -15,7 +17,10 @@ const pith_params pith_brush_params = { "brush", brush_items, sizeof brush_items
 
 /* A copy of the brush: where a vertex is when the copy is turned back onto what was drawn. All round the axis, that is
    the half-plane of r and z. */
-typedef struct copy { bool around; double c, s; } copy;
+typedef struct copy {
+    bool around;
+    double c, s;
+} copy;
 
 static pith_vec3 placed(const copy *of, pith_vec3 p)
 {
@@ -95,7 +100,10 @@ static size_t mark_met(const pith_brush *brush, const copy *turned, const pith_m
     return newly;
 }
 
-typedef struct nearest { double distance; uint32_t vertex; } nearest;
+typedef struct nearest {
+    double distance;
+    uint32_t vertex;
+} nearest;
 
 /* The vertex nearest to a place among a copy's vertices, the first of several. */
 static nearest find_nearest(const pith_mesh_view *mesh, const copy *turned, pith_vec3 place)
@@ -128,7 +136,8 @@ static size_t mark_nearest(const pith_brush *brush, const copy *turned, const pi
         newly += !marked[best.vertex];
         marked[best.vertex] = true;
         for (uint32_t v = 0; turned->around && v < mesh->vertex_count; ++v) {
-            if (marked[v] || !(pith_distance(placed(turned, mesh->positions[v]), place) <= best.distance + same)) continue;
+            if (marked[v] || !(pith_distance(placed(turned, mesh->positions[v]), place) <= best.distance + same))
+                continue;
             marked[v] = true;
             ++newly;
         }

@@ -55,10 +55,10 @@ pith_vec2 sketch_spline_at(const sketch_spline *spline, double length);
 double sketch_spline_area2(const sketch_spline *spline);
 /* PITH_BAD_ARGUMENT, naming the points, when the curve crosses or touches itself. */
 pith_status sketch_spline_check_crossing(const sketch_spline *spline, pith_error *err);
-/* The place on a line where a ray from the axis (unit direction) is met farthest out, and how far; false when it is not
-   met. innermost: where it is met first. */
-bool sketch_spline_meets_ray(const sketch_spline *spline, pith_vec2 direction, bool innermost, double *place,
-                             double *distance);
+/* Where the curve crosses the line through the axis in a direction (unit), beyond a distance from the axis (0: the ray
+   alone, -INFINITY: all the line): the crossing that lies farthest that way, or nearest. False when there is none. */
+bool sketch_spline_meets(const sketch_spline *spline, pith_vec2 direction, double beyond, bool farthest, double *place,
+                         double *distance);
 
 /* Sample `index` lies at the length `at`. */
 typedef struct sketch_mark { double at; size_t index; } sketch_mark;
@@ -86,11 +86,46 @@ void sketch_tree_free(sketch_tree *tree);
 bool sketch_tree_crosses_itself(const sketch_tree *tree, size_t pair[2]);
 bool sketch_trees_cross(const sketch_tree *a, const sketch_tree *b, size_t pair[2]);
 
+/* ---- loops (loops.c) ----------------------------------------------------------------------------------------------------- */
+
+/* The spline of a closed curve, made to run counter-clockwise. */
+pith_status sketch_spline_turned(const pith_curve *curve, sketch_reading reading, sketch_spline *spline,
+                                 pith_error *err);
+
+/* A horizontal loop as it is swept, running counter-clockwise. */
+typedef struct sketch_loop {
+    sketch_spline spline;
+    double least, most;     /* angles about the axis between which it lies, radians, least in -pi..pi; around: 2 pi apart */
+    bool winds;             /* once round the axis */
+} sketch_loop;
+
+/* Refuses what pith_curve_check refuses, loops through the axis and those that wind round it more than once. */
+pith_status sketch_loop_make(const pith_curve *curve, sketch_loop *loop, pith_error *err);
+void sketch_loop_free(sketch_loop *loop);
+
+/* A chamber's loop in its own frame: x from the axis through the middle of the angles it spans. samples [across], the
+   first where it crosses that line farthest out; along x it reaches from `from` to `to`. */
+typedef struct sketch_frame {
+    pith_vec2 direction;    /* of x */
+    double from, to, half_angle;
+} sketch_frame;
+pith_status sketch_loop_frame(const sketch_loop *loop, uint32_t across, sketch_frame *frame, pith_vec2 *samples,
+                              pith_error *err);
+/* The same for a loop in a frame already, anywhere: it reaches along the line y = 0 from `from` to `to`. */
+pith_status sketch_loop_crossed(const pith_curve *curve, uint32_t across, double *from, double *to, pith_vec2 *samples,
+                                pith_error *err);
+/* Samples [across] of a loop round the axis, the first on x. With folds, those have the same samples each and their lines
+   go through samples, where there are enough. */
+pith_status sketch_loop_around(const pith_sketch *sketch, const sketch_loop *loop, uint32_t across, pith_vec2 *samples,
+                               pith_error *err);
+/* The fold, 0 .. folds - 1, that the loop lies in; PITH_BAD_ARGUMENT when it lies in none. */
+pith_status sketch_loop_fold(const pith_sketch *sketch, const sketch_loop *loop, uint32_t *fold, pith_error *err);
+
 /* ---- surfaces (sweep.c, chambers.c) ------------------------------------------------------------------------------------- */
 
-/* Rings of `across` positions between poles; positions: [top] rings [bottom]. wrap: the last ring joins the first. Front:
-   where rings that run counter-clockwise downward have their outside, or the other side when turned. `copies` of it, one
-   after the other. */
+/* Rings of `across` positions between poles; positions: [top] rings [bottom]. wrap: the last ring joins the first.
+   `copies` of it, one after the other. Closed surfaces are turned outward; the front of others is where rings that run
+   counter-clockwise and downward have their outside, or the other side when turned. */
 typedef struct sketch_rings {
     size_t across, rings, copies;
     bool top, bottom, wrap, turned;
@@ -109,7 +144,7 @@ pith_status sketch_rings_mesh(const sketch_rings *of, const pith_vec3 *positions
 pith_status sketch_sweep_loops(const pith_curve *vertical, const pith_curve *horizontal, uint32_t across, uint32_t along,
                                pith_mesh **mesh, pith_error *err);
 
-/* The surface of a feature that holds chambers, which was checked. */
+/* The surface of a feature that holds chambers; what is checked of features before is not checked again. */
 pith_status sketch_chambers(const pith_sketch *sketch, const pith_feature *feature, pith_mesh **mesh, pith_error *err);
 
 #endif

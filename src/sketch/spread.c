@@ -34,8 +34,8 @@ static void weigh(const pith_mesh_view *mesh, const surface_edges *edges, double
         for (int k = 0; k < 3; ++k) {
             if (edges->of[t][k] == PITH_NONE) continue;
             const uint32_t *v = mesh->triangles[t];
-            weights[edges->of[t][k]] += half_cotangent(mesh->positions[v[k]], mesh->positions[v[(k + 1) % 3]],
-                                                       mesh->positions[v[(k + 2) % 3]]);
+            weights[edges->of[t][k]] +=
+                half_cotangent(mesh->positions[v[k]], mesh->positions[v[(k + 1) % 3]], mesh->positions[v[(k + 2) % 3]]);
         }
     for (uint32_t e = 0; e < edges->count; ++e) weights[e] = fmin(fmax(weights[e], least_weight), greatest_weight);
 }
@@ -43,8 +43,8 @@ static void weigh(const pith_mesh_view *mesh, const surface_edges *edges, double
 /* ---- which vertices are asked for -------------------------------------------------------------------------------------- */
 
 typedef struct unknowns {
-    uint32_t *component;    /* [vertex_count] lowest vertex of the component */
-    uint32_t *number;       /* [vertex_count] of a vertex whose value is sought; else PITH_NONE */
+    uint32_t *component; /* [vertex_count] lowest vertex of the component */
+    uint32_t *number;    /* [vertex_count] of a vertex whose value is sought; else PITH_NONE */
     uint32_t count;
 } unknowns;
 
@@ -166,8 +166,10 @@ static pith_status check_fixed(const bool *fixed, uint32_t vertex_count, uint32_
     for (uint32_t c = 0; c < channels; ++c)
         for (uint32_t v = 0; v < vertex_count; ++v)
             if (fixed[v] && !isfinite(values[(size_t)c * vertex_count + v]))
-                return pith_fail(err, PITH_BAD_ARGUMENT, "the value to spread from vertex %u is %g (channel %u); fixed "
-                                 "values must be finite", v, values[(size_t)c * vertex_count + v], c);
+                return pith_fail(err, PITH_BAD_ARGUMENT,
+                                 "the value to spread from vertex %u is %g (channel %u); fixed "
+                                 "values must be finite",
+                                 v, values[(size_t)c * vertex_count + v], c);
     return PITH_OK;
 }
 
@@ -217,8 +219,10 @@ pith_status pith_mesh_spread(const pith_mesh_view *mesh, const bool *fixed, uint
                              pith_error *err)
 {
     if (!mesh || !fixed || !values)
-        return pith_fail(err, PITH_BAD_ARGUMENT, "pith_mesh_spread: %s is NULL", !mesh ? "mesh" : !fixed ? "fixed"
-                                                                                                          : "values");
+        return pith_fail(err, PITH_BAD_ARGUMENT, "pith_mesh_spread: %s is NULL",
+                         !mesh    ? "mesh"
+                         : !fixed ? "fixed"
+                                  : "values");
     if (channels == 0) return PITH_OK;
     PITH_TRY(check_fixed(fixed, mesh->vertex_count, channels, values, err));
     surface_edges edges;

@@ -2,7 +2,10 @@
 #include "surface_internal.h"
 
 /* One use of an edge by a triangle, in the bucket of its lower end. */
-typedef struct edge_use { uint32_t high, triangle; uint8_t corner; } edge_use;
+typedef struct edge_use {
+    uint32_t high, triangle;
+    uint8_t corner;
+} edge_use;
 
 /* Buckets are short but at poles, and nearly sorted there. */
 static void sort_uses(edge_use *uses, size_t count)
@@ -15,13 +18,16 @@ static void sort_uses(edge_use *uses, size_t count)
     }
 }
 
-static pith_status check_indices(const uint32_t (*triangles)[3], uint32_t count, uint32_t vertex_count, pith_error *err)
+pith_status surface_check_indices(const uint32_t (*triangles)[3], uint32_t count, uint32_t vertex_count,
+                                  pith_error *err)
 {
     for (uint32_t t = 0; t < count; ++t)
         for (int k = 0; k < 3; ++k)
             if (triangles[t][k] >= vertex_count)
-                return pith_fail(err, PITH_BAD_MESH, "corner %d of triangle %u is vertex %u, but there are only %u "
-                                 "vertices", k, t, triangles[t][k], vertex_count);
+                return pith_fail(err, PITH_BAD_MESH,
+                                 "corner %d of triangle %u is vertex %u, but there are only %u "
+                                 "vertices",
+                                 k, t, triangles[t][k], vertex_count);
     return PITH_OK;
 }
 
@@ -37,7 +43,7 @@ static bool side_of(const uint32_t *triangle, int corner, uint32_t *low, uint32_
 pith_status surface_edges_find(const uint32_t (*triangles)[3], uint32_t triangle_count, uint32_t vertex_count,
                                surface_edges *edges, pith_error *err)
 {
-    PITH_TRY(check_indices(triangles, triangle_count, vertex_count, err));
+    PITH_TRY(surface_check_indices(triangles, triangle_count, vertex_count, err));
     const size_t most = (size_t)triangle_count * 3;
     size_t *start = pith_alloc((size_t)vertex_count + 2, sizeof *start);
     edge_use *uses = pith_alloc(most, sizeof *uses);

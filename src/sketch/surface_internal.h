@@ -6,12 +6,15 @@
 
 /* The edges of a mesh, each once, in ascending order of (lower end, higher end). */
 typedef struct surface_edges {
-    uint32_t (*ends)[2];    /* [count] lower and higher end */
-    uint32_t (*of)[3];      /* [triangle_count] the edge opposite each corner; PITH_NONE where its ends are the same */
+    uint32_t (*ends)[2]; /* [count] lower and higher end */
+    uint32_t (*of)[3];   /* [triangle_count] the edge opposite each corner; PITH_NONE where its ends are the same */
     uint32_t count;
 } surface_edges;
 
-/* PITH_BAD_MESH for an index out of range. On failure nothing is left allocated. O(triangles). */
+/* PITH_BAD_MESH for an index out of range. */
+pith_status surface_check_indices(const uint32_t (*triangles)[3], uint32_t count, uint32_t vertex_count,
+                                  pith_error *err);
+/* The same check; on failure nothing is left allocated. O(triangles). */
 pith_status surface_edges_find(const uint32_t (*triangles)[3], uint32_t triangle_count, uint32_t vertex_count,
                                surface_edges *edges, pith_error *err);
 void surface_edges_free(surface_edges *edges);

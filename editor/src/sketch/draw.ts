@@ -2,8 +2,9 @@
 
 import type { Json } from '../protocol';
 import { write } from '../ui/numbers';
+import { surfacesOf } from '../store';
 import { isPositive, type Vec } from './curve';
-import { foldsOf, surfacesOf, type Curve } from './drawn';
+import { foldsOf, type Curve } from './drawn';
 import type { Pane } from './pane';
 
 export const axisColour = '#3fae5a';

@@ -2,10 +2,10 @@
 
 import type { Json } from '../protocol';
 import { askText, type Objection } from '../ui/dialog';
+import { chosenSurface, surfacesOf } from '../store';
 import { axisColour, clearLine, dot, line } from './draw';
 import { distance, pointsOf, Spline, type Knot, type Vec } from './curve';
-import { addSurface, chosenSurface, drawHorizontal, foldAt, foldsOf, freeName, middleOf, nameFor, nextColour, redrawVertical,
-         surfacesOf } from './drawn';
+import { addSurface, drawHorizontal, foldAt, foldsOf, freeName, middleOf, nameFor, nextColour, redrawVertical } from './drawn';
 import { fitStroke, isLoop, tidy, toHalfPlane } from './fit';
 import type { Pane } from './pane';
 import type { Session } from './session';
@@ -116,12 +116,12 @@ function take(session: Session, pane: Pane, drawn: Knot[], closed: boolean): voi
   const { app } = session, { state } = app.store, pixel = pane.pixel;
   if (pane.name === 'vertical') {
     const knots = tidy(toHalfPlane(drawn, closed, snapPixels * pixel, pixel), pixel);
-    const surface = chosenSurface(state);
+    const surface = chosenSurface(state)?.json;
     if (session.values.redraw && surface?.vertical) redraw(session, surface, knots, closed, snapPixels * pixel);
     else newSurface(session, knots, closed);
     return;
   }
-  const surface = chosenSurface(state);
+  const surface = chosenSurface(state)?.json;
   if (!closed) return app.messages.say('Across the axis curves are loops; end the stroke where it began.', 'warning');
   if (!surface?.vertical) {
     return app.messages.say('Draw the surface along the axis first, or choose one; then draw how it runs across.', 'warning');

@@ -1,7 +1,7 @@
 // The sketch of a document as the panes need it: whose curves there are, and the operations that change them.
 
 import type { Json } from '../protocol';
-import { bodyJson, bodyKey, bodyPlace, type State } from '../store';
+import { bodyJson, bodyKey, bodyPlace, surfacesOf, type State } from '../store';
 import { knotsOf, pointsOf, Spline, type Knot, type Vec } from './curve';
 
 export type PaneName = 'vertical' | 'horizontal';
@@ -22,17 +22,10 @@ export interface Curve {
   implied: boolean;
 }
 
-export const surfacesOf = (state: State): Json[] => (bodyJson(state).surfaces ?? []) as Json[];
-
 /** Where a surface stands in the document. */
 export const surfacePath = (state: State, at: number): string => `${bodyPlace(state)}surfaces[${at}]`;
 
 export const sketchPath = (state: State): string => `${bodyPlace(state)}sketch`;
-
-/** The chosen surface; undefined when there is none, or it is no longer there. */
-export function chosenSurface(state: State): Json | undefined {
-  return surfacesOf(state).find((surface) => surface.name === state.selectedSurface);
-}
 
 export interface Folds { count: number; angle: number }
 

@@ -2,14 +2,14 @@
 
 import { bend, smoothed } from './bend';
 import { distance, type Knot, type Vec } from './curve';
-import { chosenSurface, curveOperation, sketchPath, type Curve } from './drawn';
+import { curveOperation, sketchPath, type Curve } from './drawn';
 import { clearLine, foldHandle, line, themeColour } from './draw';
 import { snapPixels } from './drawing';
 import { tidy } from './fit';
 import type { Pane } from './pane';
 import type { Session } from './session';
 import type { PaneEvent, PaneTool } from './tool';
-import { bodyKey } from '../store';
+import { bodyKey, chosenSurface } from '../store';
 
 /* ---- what is under the pointer --------------------------------------------------------------------------------------- */
 
@@ -264,7 +264,7 @@ export function bendTool(session: Session): PaneTool {
 
 /** Smooths all curves of the chosen surface in a pane, or in both. */
 export function smoothAll(session: Session): void {
-  const { state } = session.app.store, surface = chosenSurface(state);
+  const { state } = session.app.store, surface = chosenSurface(state)?.json;
   const curves = session.curves.filter((curve) => curve.surface === surface?.name && !curve.implied);
   if (!surface || curves.length === 0) return session.app.messages.say('Choose a surface with curves first.');
   void session.apply(`Smooth ${surface.name}`, curves.map((curve) => ({ op: 'surface.smooth', ...bodyKey(state),

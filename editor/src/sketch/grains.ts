@@ -8,9 +8,10 @@ import { button, choice, iconButton, row, segmented } from '../ui/controls';
 import { h, recall, remember, type Child } from '../ui/dom';
 import { section } from '../ui/layout';
 import { many } from '../ui/numbers';
+import { surfacesOf } from '../store';
 import { clearLine, dot, themeColour } from './draw';
 import { area2, distance, knotsOf, pointsOf, Spline, type Knot, type Vec } from './curve';
-import { colourOf, surfacesOf } from './drawn';
+import { colourOf } from './drawn';
 import { fitStroke, tidy } from './fit';
 
 /** Keys of new grains: flat drops, as seeds are. */

@@ -2,17 +2,18 @@
 
 import type { Context } from '../panels/context';
 import { optionRows } from '../panels/options';
+import { surfaceEye } from '../panels/surfaceoptions';
 import { removeValue } from '../app';
+import { isTwoSided } from '../surfaceview';
 import type { Json } from '../protocol';
-import { bodyJson, bodyKey, bodyPlace, type State } from '../store';
-import { button, iconButton, row } from '../ui/controls';
+import { bodyJson, bodyKey, bodyPlace, surfacesOf, type State } from '../store';
+import { button, row } from '../ui/controls';
 import { h, live, type Child } from '../ui/dom';
 import { menuButton, type MenuItem } from '../ui/floating';
 import { icon, type IconName } from '../ui/icons';
 import { badge, empty, list, listRow, section, setNote } from '../ui/layout';
 import { slider } from '../ui/slider';
-import { addSurface, boundsOf, colourOf, foldsOf, freeName, isClosed, middleOf, nameFor, nextColour, sketchPath, surfacePath,
-         surfacesOf, turned } from './drawn';
+import { addSurface, boundsOf, colourOf, foldsOf, freeName, isClosed, middleOf, nameFor, nextColour, sketchPath, surfacePath, turned } from './drawn';
 import { knotsOf, type Vec } from './curve';
 import type { Session } from './session';
 import { surfaceMore } from './surface';
@@ -33,11 +34,11 @@ export const kindWords: { [kind: string]: string } = {
 /* ---- surfaces --------------------------------------------------------------------------------------------------------- */
 
 function surfacesSection(context: Context, session: Session): HTMLElement {
-  const { app } = context, { store } = app, part = section('surfaces', 'Surfaces');
+  const { app } = context, { store } = app, part = section('sketch.surfaces', 'Surfaces');
   live(store, part.body, ['document', 'body', 'selectedSurface', 'shownSurfaces', 'sketching', 'schema'], (state) => ({
     surfaces: surfacesOf(state), chosen: state.selectedSurface, shown: state.shownSurfaces, bounds: boundsOf(state),
     place: bodyPlace(state), open: state.sketching, folds: foldsOf(state),
-  }), ({ surfaces, chosen, shown, open, bounds }) => {
+  }), ({ surfaces, chosen, open, bounds }) => {
     setNote(part, surfaces.length ? String(surfaces.length) : null);
     const mode = !open && commandSketch(context);
     if (surfaces.length === 0) {
@@ -47,7 +48,7 @@ function surfacesSection(context: Context, session: Session): HTMLElement {
             () => void app.actions.apply('Sketch inside', insideOperations(app)), { key: 'panel inside' })]);
     }
     return [mode, list('Surfaces', surfaces.map((surface, i) =>
-      surfaceRow(context, session, surface, i, surface.name === chosen, shown[surface.name] !== false, bounds.includes(surface.name)))),
+      surfaceRow(context, session, surface, i, surface.name === chosen, bounds.includes(surface.name)))),
     h('div', { class: 'actions' }, addButton(context))];
   });
   return part.element;
@@ -58,9 +59,8 @@ function commandSketch(context: Context): Child {
     { icon: 'sketch', keys: context.commands.get('sketch').keys[0], key: 'panel open', look: 'main' }));
 }
 
-function surfaceRow(context: Context, session: Session, surface: Json, at: number, chosen: boolean, shown: boolean, bounds: boolean):
-  HTMLElement {
-  const { app } = context, { store } = app, { name } = surface;
+function surfaceRow(context: Context, session: Session, surface: Json, at: number, chosen: boolean, bounds: boolean): HTMLElement {
+  const { store } = context.app, { name } = surface;
   const back = surface.colours?.back;
   const made = listRow({
     icon: kindIcons[surface.kind], text: name, chosen, key: `surface ${name}`,
@@ -68,8 +68,7 @@ function surfaceRow(context: Context, session: Session, surface: Json, at: numbe
       [colourOf(surface), back].filter(Boolean).map((colour) => h('span', { class: 'colour-dot', style: `--colour: ${colour}` }))),
     detail: kindWords[surface.kind], choose: () => store.set({ selectedSurface: chosen ? null : name }),
     actions: [bounds && badge('skin', 'plain', 'It bounds the body.'),
-      iconButton(shown ? 'eye' : 'hidden', shown ? `Hide ${name} in the panes and the view` : `Show ${name}`,
-        () => store.set({ shownSurfaces: { ...store.state.shownSurfaces, [name]: !shown } }), { look: 'plain', key: `surface eye ${name}` }),
+      surfaceEye(context, name),
       menu(context, session, surface, at, bounds)],
     more: chosen && surfaceMore(context, session, surface, at),
   });
@@ -88,7 +87,7 @@ function menu({ app }: Context, session: Session, surface: Json, at: number, bou
   return menuButton(anchor, () => {
     const items: (MenuItem | null)[] = [
       { label: 'Duplicate', icon: 'copy', run: () => void duplicate(session, surface) },
-      { label: 'Flip its colours', icon: 'flip', run: () => void app.actions.apply(`Flip ${surface.name}`,
+      { label: 'Flip its colours', icon: 'flip', disabled: !isTwoSided(surface), run: () => void app.actions.apply(`Flip ${surface.name}`,
         [{ op: 'surface.flip', ...bodyKey(state), surface: surface.name }]) },
       null,
       { label: 'Move up', icon: 'up', disabled: at === 0, run: () => move(at - 1, `Move ${surface.name} up`) },

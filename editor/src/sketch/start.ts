@@ -3,10 +3,10 @@
 import type { App } from '../app';
 import type { Context } from '../panels/context';
 import type { Json } from '../protocol';
-import { bodyJson, bodyKey, bodyPlace } from '../store';
+import { bodyJson, bodyKey, bodyPlace, surfacesOf } from '../store';
 import { button } from '../ui/controls';
 import { h, live } from '../ui/dom';
-import { surfacesOf } from './drawn';
+
 import sketch from '../../../examples/sketch.pith';
 
 /* What a body has of its former inside and shape, and a sketched one has no use for. */

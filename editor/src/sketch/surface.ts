@@ -3,12 +3,14 @@
 import type { Context } from '../panels/context';
 import { optionRows } from '../panels/options';
 import { removeValue, setValue } from '../app';
+import { isTwoSided, twoSidedOperations } from '../surfaceview';
 import type { Json } from '../protocol';
 import { button, checkbox, colourField, iconButton, row, textField } from '../ui/controls';
 import { h, uid, type Child } from '../ui/dom';
 import { section } from '../ui/layout';
 import { many } from '../ui/numbers';
-import { boundsOf, isClosed, renameOperations, surfacePath, surfacesOf } from './drawn';
+import { surfacesOf } from '../store';
+import { boundsOf, isClosed, renameOperations, surfacePath } from './drawn';
 import { grainRows } from './grains';
 import { removeSurface, sizeOf, toggleBounds } from './panel';
 import type { Session } from './session';
@@ -51,10 +53,11 @@ function colourRows({ app }: Context, surface: Json, path: string): Child {
   const well = (side: 'front' | 'back', value: string, i: number): HTMLElement => h('span', { class: 'surface-colour' },
     colourField(side === 'front' ? 'Front' : 'Back', value, (colour) => void setValue(app, `Set surface ${side}`, `${path}.colours.${side}`, colour),
       { key: `${path}.colours.${side}`, id: id[i] }).element, picked(side));
-  return [row(back ? 'Front' : 'Colour', well('front', front ?? '#ffffff', 0), { for: id[0], tip: 'Of the side that looks outwards; of both while there is one colour.' }),
-    back ? row('Back', h('span', { class: 'surface-colour' }, well('back', back, 1), iconButton('close', 'One colour for both sides',
+  const two = isTwoSided(surface);
+  return [row(two ? 'Front' : 'Colour', well('front', front ?? '#ffffff', 0), { for: id[0], tip: 'Of the side that looks outwards; of both while there is one colour.' }),
+    two ? row('Back', h('span', { class: 'surface-colour' }, well('back', back ?? front ?? '#ffffff', 1), back !== undefined && iconButton('close', 'One colour for both sides',
       () => void removeValue(app, 'One colour for both sides', `${path}.colours.back`), { look: 'plain', key: `${path} one colour` })), { for: id[1] })
-      : row('', button('Another colour inside', () => void setValue(app, 'Two colours', `${path}.colours.back`, front ?? '#ffffff'),
+      : row('', button('Another colour inside', () => void app.actions.apply('Two colours', twoSidedOperations(surface, path)),
         { look: 'plain', key: `${path} two colours`, tip: 'Front and back get colours of their own' }))];
 }
 

@@ -1,9 +1,9 @@
 // The other tools of the panes: erasing with a cutting stroke, taking colours from the picture, laying the picture.
 
-import { bodyKey } from '../store';
+import { bodyKey, chosenSurface } from '../store';
 import { clearLine, dot, line } from './draw';
 import { distance, isInside, isPositive, pointsOf, Spline, type Vec } from './curve';
-import { chosenSurface, sketchPath } from './drawn';
+import { sketchPath } from './drawn';
 import { drawTool } from './drawing';
 import { bendTool, editTool, smoothTool } from './editing';
 import { fitStroke, isLoop, tidy } from './fit';
@@ -35,7 +35,7 @@ function eraseTool(session: Session): PaneTool {
 
   /* The chosen surface, when it has a curve in the pane; else the one whose curve lies nearest to the stroke. */
   function target(pane: Pane, points: readonly Vec[]): string | null {
-    const chosen = chosenSurface(app.store.state);
+    const chosen = chosenSurface(app.store.state)?.json;
     if (chosen) return chosen.name;
     const away = (spline: Spline): number => Math.min(...points.map(([x, y]) => spline.nearest(x, y).distance));
     const nearest = pane.curves.map((curve) => ({ curve, off: away(curve.spline) })).sort((a, b) => a.off - b.off)[0];

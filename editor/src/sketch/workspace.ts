@@ -8,8 +8,8 @@ import { fill, h, recall, remember, set, type Child } from '../ui/dom';
 import { icon } from '../ui/icons';
 import { splitter } from '../ui/layout';
 import { slider } from '../ui/slider';
-import { bodyJson } from '../store';
-import { chosenSurface, sketchPath, type PaneName } from './drawn';
+import { bodyJson, chosenSurface } from '../store';
+import { sketchPath, type PaneName } from './drawn';
 import { eraseSide, paneTools } from './tools';
 import { removeKnot, smoothAll, toggleCorner } from './editing';
 import { Pane } from './pane';
@@ -119,7 +119,7 @@ export class Workspace {
       const { store } = this.context.app, { tool, knot, cut, redraw } = this.session.values;
       const curve = knot && this.session.curve(knot.curve);
       const now = JSON.stringify([tool, knot, curve?.knots[knot!.index]?.corner, cut && [cut.surface, cut.pane], redraw,
-        chosenSurface(store.state)?.name ?? null, store.state.paintColour, bodyJson(store.state).sketch, tool === 'bend' && this.session.values.reach]);
+        store.state.selectedSurface, store.state.paintColour, bodyJson(store.state).sketch, tool === 'bend' && this.session.values.reach]);
       if (now === shown || bar.querySelector('[data-held]')) return;
       shown = now;
       fill(bar, this.optionsOf());
@@ -132,7 +132,7 @@ export class Workspace {
 
   private optionsOf(): Child {
     const { session, context: { app } } = this, { tool, redraw, knot, reach, brush, smoothing, cut } = session.values;
-    const chosen = chosenSurface(app.store.state), labelled = (label: string, control: HTMLElement): HTMLElement =>
+    const chosen = chosenSurface(app.store.state)?.json, labelled = (label: string, control: HTMLElement): HTMLElement =>
       h('div', { class: 'option' }, h('span', { class: 'option-label', 'aria-hidden': 'true' }, label), control);
     const whose = h('span', { class: 'sketch-whose' }, chosen ? `${chosen.name}` : 'No surface chosen');
     const amount = (): HTMLElement => labelled('Strength', slider('Strength of smoothing', { min: 0, max: 1, default: 0.5 }, smoothing,
@@ -169,16 +169,11 @@ export class Workspace {
       }
       case 'pick': return [h('span', { class: 'sketch-swatch', style: `--colour: ${app.store.state.paintColour}`, role: 'img',
         'aria-label': `Colour to paint with, ${app.store.state.paintColour}` }), h('span', { class: 'sketch-whose' }, app.store.state.paintColour),
-      chosen && chosen.kind !== 'file' && button(`Colour ${chosen.name}`, () => void session.apply(`Colour ${chosen.name}`,
-        [{ op: 'set', path: `${this.chosenPath()}.colours.front`, value: app.store.state.paintColour }]),
+      chosen && button(`Colour ${chosen.name}`, () => void session.apply(`Colour ${chosen.name}`,
+        [{ op: 'set', path: `${chosenSurface(app.store.state)!.place}.colours.front`, value: app.store.state.paintColour }]),
       { icon: 'drop', tip: 'The front of the chosen surface takes this colour', key: 'sketch colour' })];
       case 'picture': return Object.values(this.panes).map(({ name }) => this.pictureButtons(name));
     }
-  }
-
-  private chosenPath(): string {
-    const { state } = this.context.app.store, surfaces = (bodyJson(state).surfaces ?? []) as { name: string }[];
-    return `${sketchPath(state).replace(/sketch$/, '')}surfaces[${surfaces.findIndex(({ name }) => name === state.selectedSurface)}]`;
   }
 
   /* ---- panes ---- */
