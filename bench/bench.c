@@ -18,6 +18,7 @@ static const bench benches[] = {
     { "procedural", "noise and the functions on it: points per second on one core", bench_procedural },
     { "atlas", "texture atlases of shipped models: texels a second, charts, use of the atlas", bench_atlas },
     { "diffusion", "colours between surfaces, by rays and by walks: points per second and errors", bench_diffusion },
+    { "sketch_surface", "grains, painting and erasing: seconds over sizes", bench_sketch_surface },
 };
 enum { BENCH_COUNT = sizeof benches / sizeof *benches };
 

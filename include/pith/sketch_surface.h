@@ -92,16 +92,23 @@ pith_grains_options pith_grains_options_default(void);
 typedef struct pith_grain { pith_vec3 origin, across, along, normal; double scale; } pith_grain;
 
 /** The grain's own surface, in its frame: x across, y along, z the normal. profile: closed loop in (z, y), as chambers'
- *  vertical curve is drawn beside the surface's curve, z outward; outline: closed loop in (z, x). across, along: samples. */
+ *  vertical curve is drawn beside the surface's curve, z outward; outline: closed loop in (z, x), which crosses x = 0. The
+ *  section with x = 0 is the profile; the outline is swept along it, moved and scaled as that of a chamber is. Closed, one
+ *  component, turned outward. across, along: samples. PITH_BAD_ARGUMENT: curves that pith_curve_check refuses. */
 pith_status pith_grain_surface(const pith_curve *profile, const pith_curve *outline, uint32_t across, uint32_t along,
                                pith_mesh **mesh, pith_error *err);
 /** Strews grains over the marked triangles' surface (marked [vertex_count]: triangles all of whose corners are; NULL:
- *  everywhere) by dart throwing on the surface (Cline, Jeschke, White, Razdan and Wonka 2009 name the task): until no
- *  place is left, but for gaps that darts miss a thousand times. grains: allocated [count], caller frees with pith_free.
- *  PITH_BAD_ARGUMENT: a radius that would give more than a million grains, naming one that would do. O(grains) expected. */
+ *  everywhere) by dart throwing on the surface (Cline, Jeschke, White, Razdan and Wonka 2009): every grain is evenly
+ *  anywhere where the ones before it let it be, and at the end nothing of the surface is farther than 1.0001 radius from a
+ *  grain. Distances are straight through space: where two sheets are nearer than the radius, grains of both keep apart.
+ *  grains: allocated [count], in the order in which they were strewn, caller frees with pith_free; none where nothing is
+ *  marked. Grains stand at the same places whatever scale, spreads and offset are. PITH_BAD_ARGUMENT: a radius that would
+ *  give more than a million grains, naming one that would do; PITH_BAD_MESH: an index out of range. One thread; 100 000
+ *  grains take 2 s and 100 MiB, a million 40 s and 1 GiB. */
 pith_status pith_mesh_grains(const pith_mesh_view *base, const bool *marked, const pith_grains_options *options,
                              pith_grain **grains, size_t *count, pith_error *err);
-/** Copies of the grain's surface where the grains stand, as one mesh. */
+/** Copies of the grain's surface where the grains stand, as one mesh, in their order; normals turn along, colours and
+ *  texture coordinates are copied. PITH_BAD_ARGUMENT: 2^31 vertices or triangles and more. */
 pith_status pith_grains_mesh(const pith_mesh *grain, const pith_grain *grains, size_t count, pith_mesh **mesh,
                              pith_error *err);
 

@@ -162,7 +162,7 @@ static pith_status check_between(edit *at)
     if (!at->loose) return PITH_OK;
     at->loose = false;
     reader in = { .file = at->path, .err = at->in.err };
-    const pith_status status = grammar_check(&in, at->root, &grammar_document);
+    const pith_status status = document_check(&in, at->root, NULL);
     return status == PITH_OK ? PITH_OK : refuse_result(at, status);
 }
 

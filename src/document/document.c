@@ -53,10 +53,12 @@ static pith_status expand_body(reader *in, const json_t *bodies, size_t index, c
 {
     const char *like = json_string_value(json_object_get(written, "like"));
     const char *names[64] = { NULL };
+    size_t count = 0;
     for (size_t i = 0; i < index; ++i) {
         const json_t *other = json_array_get(bodies, i);
         const char *name = json_string_value(json_object_get(other, "name"));
-        if (i < 63) names[i] = name;
+        if (!name) continue;
+        if (count < 63) names[count++] = name;
         if (strcmp(name, like) != 0) continue;
         *full = json_deep_copy(other);
         const bool good = *full && put_over(*full, written) && json_object_del(*full, "like") == 0;
@@ -69,31 +71,40 @@ static pith_status expand_body(reader *in, const json_t *bodies, size_t index, c
                        near ? near : "", near ? "\"?" : "");
 }
 
-/* The document with all its bodies in full; a reference of its own. The root stays as it was written. */
-static pith_status expand(reader *in, json_t *root, json_t **full)
+/* The document with all its bodies in full; a reference of its own. The root stays as it was written. Whatever is no body
+   like another is left to the check. */
+static pith_status expand(reader *in, const json_t *root, json_t **full)
 {
-    const grammar_key *bodies_of = grammar_document.keys;
-    while (strcmp(bodies_of->name, "bodies") != 0) ++bodies_of;
-    json_t *list = json_object_get(root, "bodies");
-    json_t *copy = json_copy(root), *bodies = list ? json_copy(list) : NULL;
-    pith_status status = copy && (bodies || !list) ? PITH_OK : PITH_OUT_OF_MEMORY(in->err, "bodies");
+    const json_t *list = json_object_get(root, "bodies");
+    json_t *copy = json_copy((json_t *)root), *bodies = json_is_array(list) ? json_copy((json_t *)list) : NULL;
+    pith_status status = copy ? PITH_OK : PITH_OUT_OF_MEMORY(in->err, "bodies");
     if (status == PITH_OK && bodies && json_object_set(copy, "bodies", bodies) != 0)
         status = PITH_OUT_OF_MEMORY(in->err, "bodies");
     for (size_t i = 0; status == PITH_OK && i < json_array_size(bodies); ++i) {
         const json_t *written = json_array_get(list, i);
         json_t *body = NULL;
+        if (!json_is_string(json_object_get(written, "like"))) continue;
         const size_t length = reader_enter(in, "bodies");
         reader_enter_at(in, i);
-        if (json_object_get(written, "like")) status = expand_body(in, bodies, i, written, &body);
-        else if (!json_object_get(written, "shape")) status = reader_fail(in, "\"shape\" is missing");
-        if (status == PITH_OK && body && json_array_set_new(bodies, i, body) != 0)
+        status = expand_body(in, bodies, i, written, &body);
+        if (status == PITH_OK && json_array_set_new(bodies, i, body) != 0)
             status = PITH_OUT_OF_MEMORY(in->err, "a body");
-        if (status == PITH_OK && body) status = grammar_check(in, body, bodies_of->inner);
         if (status == PITH_OK) reader_leave(in, length);
     }
     json_decref(bodies);
     if (status == PITH_OK) *full = copy;
     else json_decref(copy);
+    return status;
+}
+
+pith_status document_check(reader *in, const json_t *root, json_t **full)
+{
+    json_t *made = NULL;
+    if (!json_is_object(root)) return grammar_check(in, (json_t *)root, &grammar_document);
+    PITH_TRY(expand(in, root, &made));
+    const pith_status status = grammar_check(in, made, &grammar_document);
+    if (status == PITH_OK && full) *full = made;
+    else json_decref(made);
     return status;
 }
 
@@ -267,15 +278,14 @@ static pith_status fill_document(pith_document *made, const char *path, const ch
     if (!made->path) return PITH_OUT_OF_MEMORY(err, "a path");
     PITH_TRY(json_read(path, json, size, &made->root, err));
     reader in = { .file = made->path, .err = err };
-    PITH_TRY(grammar_check(&in, made->root, &grammar_document));
+    json_t *full = NULL;
+    PITH_TRY(document_check(&in, made->root, &full));
 
     const json_t *root = made->root;
-    json_t *full = NULL;
-    PITH_TRY(document_text(made, json_object_get(root, "title"), &made->title, err));
-    PITH_TRY(expand(&in, made->root, &full));
     const pith_status bodies = build_bodies(made, &in, full);
     json_decref(full);
     PITH_TRY(bodies);
+    PITH_TRY(document_text(made, json_object_get(root, "title"), &made->title, err));
     PITH_TRY(build_cuts(made, &in, json_object_get(root, "cuts")));
     PITH_TRY(build_parts(made, &in, json_object_get(root, "parts")));
     PITH_TRY(build_camera(made, &in, json_object_get(root, "camera")));

@@ -78,6 +78,9 @@ typedef struct reader {
 
 /* The whole check of one object against its grammar: keys, types, ranges, files. */
 pith_status grammar_check(reader *in, json_t *object, const grammar *rules);
+/* The same of a whole document, its bodies in full where they are like others. full (may be NULL): with its bodies so, a
+   reference of its own. */
+pith_status document_check(reader *in, const json_t *root, json_t **full);
 /* PITH_BAD_DOCUMENT, "file: place: sentence". */
 pith_status reader_fail(const reader *in, const char *format, ...) __attribute__((format(printf, 2, 3)));
 /* Appends ".key" or "[index]" to the place; returns the length to give back to reader_leave. */

@@ -390,7 +390,7 @@ static const grammar body_entry = {
     "body", "One of several bodies: cut and seen together, each with a form, fields and solids of its own.",
     KEYS({ "name", VALUE_TEXT, "what the document calls it", NULL },
          { "like", VALUE_TEXT, "the name of a body before this one: what is not said here is as there, in objects key by "
-           "key", NULL }, BODY_KEYS), NULL, NAMES("name"), NULL,
+           "key", NULL }, BODY_KEYS), NULL, NAMES("name", "shape"), NULL,
 };
 const grammar grammar_body = { "body", "", KEYS(BODY_KEYS), NULL, NULL, NULL };
 const grammar grammar_document = {

@@ -73,9 +73,11 @@ static json_t *list_schema(json_t *items, int least)
 
 static json_t *input_schema(void) { return json_pack("{s[ss]}", "type", "string", "number"); }
 
-/* Functions are called as other objects are, too. */
+/* Functions and kinds of surfaces are called as other objects are, too. */
 static json_t *name_of(const grammar *rules)
 {
+    for (const grammar *surface = grammar_surfaces; surface->name; ++surface)
+        if (rules == surface) return json_sprintf("surface_%s", rules->name);
     const bool function = rules >= grammar_functions && rules < grammar_functions + MOST_FUNCTIONS;
     return function ? json_sprintf("function_%s", rules->name) : json_string(rules->name);
 }
@@ -107,6 +109,16 @@ static json_t *kinds_schema(schema_maker *maker, const grammar *kinds)
     json_t *all = json_array();
     for (size_t i = 0; kinds[i].name; ++i) append(maker, all, reference(maker, &kinds[i], true));
     return json_pack("{ss s{so}}", "type", "array", "items", "oneOf", all);
+}
+
+/* What is like something else need not be complete: all that can be said is that it is an object. */
+static json_t *entry_schema(schema_maker *maker, const grammar *rules)
+{
+    json_t *complete = reference(maker, rules, false);
+    for (size_t i = 0; i < rules->key_count; ++i)
+        if (strcmp(rules->keys[i].name, "like") == 0)
+            return json_pack("{s{s[s]} s{ss} so}", "if", "required", "like", "then", "type", "object", "else", complete);
+    return complete;
 }
 
 static json_t *value_schema(schema_maker *maker, const grammar_key *key)
@@ -141,7 +153,7 @@ static json_t *value_schema(schema_maker *maker, const grammar_key *key)
     case VALUE_INPUTS: return json_pack("{s[oo]}", "anyOf", input_schema(), list_schema(input_schema(), 1));
     case VALUE_ANY: return json_object();
     case VALUE_OBJECT: return reference(maker, key->inner, false);
-    case VALUE_LIST: return list_schema(reference(maker, key->inner, false), 0);
+    case VALUE_LIST: return list_schema(entry_schema(maker, key->inner), 0);
     case VALUE_KINDS: return kinds_schema(maker, key->inner);
     }
     return NULL;

@@ -7,6 +7,7 @@
    so that every dart falls evenly on what is still free, and when no fragment is left there is no free place.
 
    Frames: Takayama's thesis (2011), §6.3.2: by the surface's normal and the axis of symmetry. */
+#include "sketch_internal.h"
 #include "surface_internal.h"
 
 #include <string.h>
@@ -49,7 +50,8 @@ typedef struct sown {
     double weight[3];
 } sown; /* next: in the chain of its cell */
 
-/* Grains by cells as wide as the radius; cells of one hash share a chain, which costs time and nothing else. */
+/* Grains by cells as wide as a disc, of which a disc meets eight at most; cells of one hash share a chain, which costs
+   time and nothing else. */
 typedef struct field {
     double radius, square;
     pith_vec3 low;
@@ -67,7 +69,7 @@ static size_t chain_of(const field *f, int64_t x, int64_t y, int64_t z)
 /* Very far away all is one cell. */
 static int64_t cell_of(const field *f, double at, double low)
 {
-    return (int64_t)fmin(fmax(floor((at - low) / f->radius), -0x1p52), 0x1p52);
+    return (int64_t)fmin(fmax(floor(0.5 * (at - low) / f->radius), -0x1p52), 0x1p52);
 }
 
 static void hang(field *f, uint32_t i)
@@ -105,6 +107,7 @@ static bool add_grain(field *f, const sown *grain)
 /* Does one grain's disc cover all of these points (strictly: a place exactly at the radius is free)? */
 static bool covered(const field *f, const pith_vec3 *points, int count)
 {
+    if (count > 1 && pith_distance(points[0], points[1]) >= 2.0 * f->radius) return false;
     /* A grain that covers all of them covers their mean, so it lies in the cells round that. */
     pith_vec3 sum = points[0];
     for (int i = 1; i < count; ++i) sum = pith_add(sum, points[i]);
@@ -372,6 +375,27 @@ done:
 }
 
 /* ---- the grains' mesh ---------------------------------------------------------------------------------------------------- */
+
+pith_status pith_grain_surface(const pith_curve *profile, const pith_curve *outline, uint32_t across, uint32_t along,
+                               pith_mesh **mesh, pith_error *err)
+{
+    pith_mesh *swept = NULL;
+    PITH_TRY(sketch_sweep_loops(profile, outline, across, along, &swept, err));
+    /* The sweep has what is outward along x, what is across along y and the axis along z. */
+    pith_mesh_view view = pith_mesh_look(swept);
+    pith_vec3 *turned = pith_alloc(view.vertex_count, sizeof *turned);
+    pith_status status = turned ? PITH_OK : PITH_OUT_OF_MEMORY(err, "a grain");
+    for (uint32_t v = 0; status == PITH_OK && v < view.vertex_count; ++v) {
+        const pith_vec3 p = view.positions[v];
+        turned[v] = pith_v3(p.y, p.z, p.x);
+    }
+    view.positions = turned;
+    view.normals = NULL;
+    if (status == PITH_OK) status = pith_mesh_create(&view, mesh, err);
+    pith_free(turned);
+    pith_mesh_destroy(swept);
+    return status;
+}
 
 /* A direction of the grain's frame in space. */
 static pith_vec3 turned(const pith_grain *g, pith_vec3 v)

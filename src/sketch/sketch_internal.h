@@ -66,6 +66,8 @@ typedef struct sketch_mark { double at; size_t index; } sketch_mark;
    at the wishes (sorted lengths, corners) as far as there are samples near enough, evenly between them.
    places [last mark's index + 1]. */
 void sketch_place(const sketch_mark *marks, size_t mark_count, const double *wishes, size_t wish_count, double *places);
+/* Orders doubles, for qsort. */
+int sketch_by_value(const void *a, const void *b);
 /* The lengths of the spline's corners. corners [knot_count]; how many. */
 size_t sketch_spline_corners(const sketch_spline *spline, double *corners);
 

@@ -84,7 +84,7 @@ static const refusal refusals[] = {
     { "{ \"pith\": 1, \"shapes\": {} }", "kiwi.pith: unknown key \"shapes\"; did you mean \"shape\"?" },
     { WITH("\"title\": 3"), "kiwi.pith: title: is a number, expected a text" },
     /* shape */
-    { "{ \"pith\": 1, \"shape\": {} }", "kiwi.pith: shape: has 0 of \"mesh\", \"fruit\", \"slab\", \"block\", \"turned\", expected exactly" },
+    { "{ \"pith\": 1, \"shape\": {} }", "kiwi.pith: shape: has 0 of \"mesh\", \"fruit\", \"slab\", \"block\", \"turned\", \"surfaces\", expected exactly" },
     { "{ \"pith\": 1, \"shape\": { \"mesh\": \"no.obj\" } }", "kiwi.pith: shape.mesh: there is no file no.obj" },
     { "{ \"pith\": 1, \"shape\": { \"mesh\": \"a\\u0000b\" } }", "kiwi.pith: line 1" },
     { "{ \"pith\": 1, \"shape\": { \"fruit\": { \"radius\": 1 } } }", "shape.fruit: unknown key \"radius\"; did you mean" },

@@ -82,7 +82,8 @@ static void check_same(pith_model *a, pith_model *b)
 /* ---- what an edit leaves as it was --------------------------------------------------------------------------------- */
 
 #define BIT(stage) (1u << STAGE_##stage)
-enum { ALL = (1u << STAGE_COUNT) - 1 };
+/* Of a body without surfaces. */
+enum { ALL = ((1u << STAGE_COUNT) - 1) & ~(BIT(SURFACES) | BIT(DIFFUSION)) };
 #define SOLIDS (BIT(FILL) | BIT(SOLID))
 #define DEPTHS (BIT(DEPTH) | BIT(GRADIENT))
 

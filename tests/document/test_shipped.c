@@ -296,7 +296,7 @@ static void test_every_kind_of_solid_through_every_consumer(void **state)
 {
     (void)state;
     const char *grid_file = in_folder("grey.nrrd");
-    char grid_solid[400], text[4000];
+    char grid_solid[400], text[8000];
     write_grid(grid_file);
     snprintf(grid_solid, sizeof grid_solid,
              "{ \"name\": \"grey\", \"kind\": \"grid\", \"file\": \"%s\", \"clamp\": false }", grid_file);
@@ -304,12 +304,20 @@ static void test_every_kind_of_solid_through_every_consumer(void **state)
                                    "\"noise\", \"function\": \"fractal\" }, "
                                    "{ \"name\": \"grey\", \"function\": \"curve\", \"of\": \"noise\", \"low\": -1, "
                                    "\"from\": 0.2 } ], \"colour\": \"grey\" }";
-    const char *const solids[] = { SAMPLE_SOLID, grid_solid, computed };
-    static const char *const kinds[] = { "lapped", "grid", "procedural" };
-    for (int kind = 0; kind < 3; ++kind) {
+    static const char flowing[] = "{ \"name\": \"flow\", \"kind\": \"diffusion\", \"rays\": 32 }";
+    char combined[4000];
+    snprintf(combined, sizeof combined, "{ \"name\": \"all\", \"kind\": \"combined\", \"colour\": \"flow\", "
+             "\"details\": [ { \"solid\": \"stone\", \"way\": \"shade\" }, { \"solid\": \"grey\", \"way\": "
+             "\"tint\" }, { \"solid\": \"flesh\", \"way\": \"cover\", \"amount\": 0.5 } ] }, %s, %s, %s, %s",
+             flowing, grid_solid, computed, SAMPLE_SOLID);
+    const char *const solids[] = { SAMPLE_SOLID, grid_solid, computed, flowing, combined };
+    static const char *const kinds[] = { "lapped", "grid", "procedural", "diffusion", "combined" };
+    for (int kind = 0; kind < 5; ++kind) {
         snprintf(
             text, sizeof text,
-            "{ \"pith\": 1, " SAMPLE_SHAPE ", " SAMPLE_DEPTH ", " SAMPLE_DIRECTION ", \"solids\": [ %s ], "
+            "{ \"pith\": 1, " SAMPLE_SHAPE ", " SAMPLE_DEPTH ", " SAMPLE_DIRECTION ", \"surfaces\": [ { \"name\": "
+            "\"skin\", \"kind\": \"body\", \"colours\": { \"front\": \"#306030\", \"back\": \"#d0c080\" } } ], "
+            "\"solids\": [ %s ], "
             "\"cuts\": [ { \"plane\": { \"point\": [0, 0, 0.1], \"normal\": [0, 0, 1] }, \"keep\": \"negative\" } ] }",
             solids[kind]);
         pith_document *document = NULL;
