@@ -172,6 +172,7 @@ export class SurfaceSet {
   private readonly known = new Map<string, Surface>();
   private coats: Coat[] = [];
   private listed: SurfacesEvent['bodies'] = [];
+  private settled = true;           // is what is listed shown?
 
   constructor(private readonly shared: Shared) {}
 
@@ -183,15 +184,18 @@ export class SurfaceSet {
 
   list(event: SurfacesEvent): void {
     this.listed = event.bodies;
+    this.settled = false;
     this.revision = event.revision;
     this.coats = this.coats.filter(({ until }) => until === null || until > event.revision);
     if (!this.settle()) this.repaint();
   }
 
-  /* Shows what is listed; one whose packet is still on the way keeps its former look. What is not listed goes. */
+  /* Shows what is listed once all of it is here; what is not listed any more goes then. Packets come before they are
+     listed, so they stay until another list has come. */
   private settle(): boolean {
     const wanted = this.listed.flatMap(({ surfaces }) => surfaces);
-    if (!wanted.every((key) => this.known.has(key))) return false;
+    if (this.settled || !wanted.every((key) => this.known.has(key))) return false;
+    this.settled = true;
     this.shown = wanted.map((key) => this.known.get(key)!);
     this.group.clear();
     this.box.makeEmpty();
