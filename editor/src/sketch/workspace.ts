@@ -59,7 +59,11 @@ export class Workspace {
       if (app.store.state.sketching) app.store.set({ tab: 'sketch', hint: this.tool.hint });
       else app.store.set({ hint: app.toolbox.current?.hint ?? '' });
     };
-    app.store.on(['sketching'], refresh);
+    app.store.on(['sketching'], () => {
+      refresh();
+      // The view has another shape now; the model is to be seen whole in it, unless a hand has placed it.
+      if (!app.viewport.touched) requestAnimationFrame(() => requestAnimationFrame(() => app.viewport.table.frame()));
+    });
     refresh();
   }
 
