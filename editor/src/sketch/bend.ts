@@ -55,11 +55,13 @@ function within(knots: readonly Knot[], from: number, step: 1 | -1, most: number
 /* Least squares for how far the knots move; some of them are given. */
 class Drag {
   shift: Complex[];
+  private readonly unit: number;    // length of what moves and what holds it
   private band: Complex[][] = [];
   private right: Complex[] = [];
 
-  constructor(private readonly rest: Complex[], readonly fixed: boolean[], private readonly handle: number, move: Complex) {
+  constructor(private readonly rest: Complex[], readonly fixed: boolean[], handle: number, move: Complex) {
     this.shift = rest.map((_, i) => (i === handle ? move : zero));
+    this.unit = rest.slice(1).reduce((sum, point, i) => sum + point.sub(rest[i]).abs, 0);
   }
 
   private clear(): void {
@@ -82,6 +84,7 @@ class Drag {
 
   /* L D Lᴴ of a band. */
   private solve(): void {
+    this.shift = this.shift.slice();
     const { right, fixed } = this, [d, one, two] = this.band, n = d.length;
     for (let i = 0; i < n; ++i) if (fixed[i]) { d[i] = new Complex(1, 0); right[i] = this.shift[i]; }
     for (let i = 0; i < n; ++i) {
@@ -104,29 +107,37 @@ class Drag {
     }
   }
 
+  /* The frame of a knot between its neighbours, and the length of the two segments. */
+  private frame(i: number): { factors: Complex[]; length: number } {
+    const back = this.rest[i].sub(this.rest[i - 1]), ahead = this.rest[i + 1].sub(this.rest[i]), length = back.abs + ahead.abs;
+    return { factors: [ahead.scale(1 / length), back.add(ahead).scale(-1 / length), back.scale(1 / length)], length };
+  }
+
   keepAngles(): void {
-    const { rest } = this, from = rest[0];
     this.clear();
-    const unit = rest[rest.length - 1].sub(from).abs + rest[this.handle].sub(from).abs + 1e-300;
-    for (let i = 1; i + 1 < rest.length; ++i) {
-      const back = rest[i].sub(rest[i - 1]), ahead = rest[i + 1].sub(rest[i]), both = back.abs + ahead.abs;
-      const across = rest[i + 1].sub(rest[i - 1]), step = both / unit;
-      this.term(i - 1, [ahead.scale(1 / both), across.scale(-1 / both), back.scale(1 / both)], zero, 1 / step ** 3);
+    for (let i = 1; i + 1 < this.rest.length; ++i) {
+      const { factors, length } = this.frame(i);
+      this.term(i - 1, factors, zero, (this.unit / length) ** 3);
     }
     this.solve();
   }
 
+  /* What the lengths ask for is spread smoothly over about a fifth of the curve. */
   keepLengths(): void {
-    const { rest, shift } = this;
-    const wanted = rest.slice(1).map((next, i) => {
-      const edge = next.sub(rest[i]), now = edge.add(shift[i + 1].sub(shift[i]));
-      return now.abs > 0 ? now.scale(edge.abs / now.abs).sub(edge) : zero;
-    });
+    const { rest, shift: before } = this, over = 0.2 * this.unit, ends = [new Complex(-1, 0), new Complex(1, 0)];
     this.clear();
-    const factors = [new Complex(-1, 0), new Complex(1, 0)];
-    wanted.forEach((want, i) => this.term(i, factors, want, 1 / rest[i + 1].sub(rest[i]).abs));
+    for (let i = 0; i + 1 < rest.length; ++i) {
+      const edge = rest[i + 1].sub(rest[i]), now = edge.add(before[i + 1].sub(before[i]));
+      this.term(i, ends, now.abs > 0 ? now.scale(edge.abs / now.abs).sub(edge) : zero, 1 / edge.abs);
+    }
+    for (let i = 1; i + 1 < rest.length; ++i) {
+      const { factors, length } = this.frame(i);
+      const bent = factors.reduce((sum, factor, k) => sum.add(factor.mul(before[i - 1 + k])), zero);
+      this.term(i - 1, factors, bent, (32 * over * over) / length ** 3);
+    }
     this.solve();
   }
+
 }
 
 /* ---- smoothing ----------------------------------------------------------------------------------------------------- */

@@ -195,8 +195,18 @@ class Pull {
 
   to(x: number, y: number): void {
     this.target = [this.from[0] + x - this.event.x, this.from[1] + y - this.event.y];
-    const bent = bend(this.knots, this.curve.closed, this.index, ...this.target, this.session.values.reach);
+    const bent = bend(this.knots, this.curve.closed, this.index, ...this.target, this.reach);
     this.session.hold(this.curve.key, held(this.event.pane, this.curve, bent));
+  }
+
+  /* No farther than to where the curve meets the axis: there it stays. */
+  private get reach(): number {
+    const { knots, index, curve } = this, onAxis = (i: number): boolean => curve.pane === 'vertical' && !curve.closed && knots[i].x === 0;
+    const along = (from: number, to: number): number => knots.slice(from + 1, to + 1)
+      .reduce((sum, knot, i) => sum + distance(knot.x, knot.y, knots[from + i].x, knots[from + i].y), 0);
+    const ends = [onAxis(0) && index > 0 ? along(0, index) : Infinity,
+      onAxis(knots.length - 1) && index < knots.length - 1 ? along(index, knots.length - 1) : Infinity];
+    return Math.min(this.session.values.reach, 0.999 * Math.min(...ends));
   }
 
   widen(delta: number): void {
@@ -212,7 +222,7 @@ class Pull {
       ? [curveOperation(state, curve, this.knots.map((knot) => ({ ...knot, x: round(knot.x), y: round(knot.y) })), 0)] : [];
     void session.apply(`Bend ${curve.surface}`, [...shaped, { op: 'surface.deform', ...bodyKey(state), surface: curve.surface,
       pane: curve.pane, ...(curve.loop > 0 ? { index: curve.loop } : {}), drag: [this.from.map(round), this.target.map(round)],
-      reach: round(session.values.reach) }]);
+      reach: round(this.reach) }]);
   }
 
   cancel(): void { this.session.release(); }
@@ -220,7 +230,7 @@ class Pull {
   draw(brush: CanvasRenderingContext2D, pane: Pane): void {
     if (pane !== this.event.pane) return;
     const spline = this.session.curve(this.curve.key)?.spline ?? this.curve.spline;
-    const stretch = spline.stretch(Math.min(this.along, spline.length), this.session.values.reach);
+    const stretch = spline.stretch(Math.min(this.along, spline.length), this.reach);
     brush.globalAlpha = 0.5;
     line(brush, stretch.map(([x, y]) => pane.toScreen(x, y)), themeColour('accent'), 10);
     brush.globalAlpha = 1;
