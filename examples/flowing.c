@@ -55,8 +55,8 @@ static pith_status draw_surfaces(peach *p, pith_error *err)
 static pith_status paint_skin(peach *p, pith_error *err)
 {
     static const struct { pith_vec3 at; double radius; float colour[3]; } strokes[] = {
-        { { 0.9, 0.3, 0.2 }, 0.35, { 0.50f, 0.035f, 0.03f } },
-        { { -0.8, -0.4, -0.1 }, 0.35, { 0.80f, 0.36f, 0.06f } },
+        { { 0.75, -0.6, 0.25 }, 0.4, { 0.50f, 0.035f, 0.03f } },
+        { { -0.8, -0.5, -0.1 }, 0.3, { 0.80f, 0.36f, 0.06f } },
         { { 0, 0, 0.75 }, 0.1, { 0.62f, 0.42f, 0.08f } },
         { { 0, 0, -0.95 }, 0.2, { 0.72f, 0.22f, 0.06f } },
     };

@@ -76,7 +76,7 @@ typedef struct pith_diffusion_report {
 } pith_diffusion_report;
 
 /** Makes and keeps what a method needs; pmvc and wos need nothing. poisson: fills the space between the sheets, and around
- *  them to four radii from the middle, with tetrahedra (TetGen, in its own process, see pith_tets_conform) and solves for
+ *  them to eight radii from the middle, with tetrahedra (TetGen, in its own process, see pith_tets_conform) and solves for
  *  the colours. Regions with nothing but hidden sides are left out. What was prepared before, for another `edge`, is
  *  replaced, under solids made of it, too; nobody may ask meanwhile. report may be NULL. Deterministic.
  *  PITH_BAD_MESH: sheets that cross, touch other than in vertices and edges with the same ends, or have triangles without

@@ -11,7 +11,7 @@
 #include "pith/diffusion.h"
 #include "pith/exemplar.h"
 #include "pith/field.h"
-#include "pith/render.h"
+#include "pith/render_lines.h"
 #include "pith/solid.h"
 
 /* ---- documents ------------------------------------------------------------------------------------------------- */
@@ -58,6 +58,8 @@ size_t pith_document_bodies(const pith_document *document);
 const char *pith_document_body_name(const pith_document *document, size_t index);
 /** Is it seen through (has it "volume")? */
 bool pith_document_translucent(const pith_document *document);
+/** How lines are drawn over its pictures (has it "lines"?); NULL: none are. */
+const pith_line_options *pith_document_lines(const pith_document *document);
 /** The camera as the document states it. True when it has a place of its own; else it is to be fitted round what is seen
  *  (pith_camera_fit): target is then the origin and eye the direction. */
 bool pith_document_camera(const pith_document *document, pith_camera *camera);
@@ -177,6 +179,11 @@ pith_status pith_model_surfaces(pith_model *model, const pith_diffusion_surface 
 /** The index-th of them where it was drawn, before variation and "place": what brushes and strokes are about. Vertex i of
  *  the one is vertex i of the other; of grains it is the form of one, whose vertices the surface has over and over. */
 pith_status pith_model_surface_drawn(pith_model *model, size_t index, pith_mesh_view *drawn, pith_error *err);
+/** The diffusion that the body's solid asks, and how; PITH_BAD_DOCUMENT when it is of another kind. */
+pith_status pith_model_diffusion(pith_model *model, const pith_diffusion **diffusion,
+                                 const pith_diffusion_options **options, pith_error *err);
+/** pith_document_lines of its document. */
+const pith_line_options *pith_model_lines(const pith_model *model);
 /** The solid the model is made of. */
 pith_status pith_model_solid(pith_model *model, const pith_solid **solid, pith_error *err);
 /** The same, as good as is to be seen while something moves, where the solid itself would take long: of diffusion it

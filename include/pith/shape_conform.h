@@ -21,6 +21,7 @@ typedef struct pith_conforming {
  *  its own process, as for pith_tets_mesh, cuts facets where that makes better tetrahedra. Of the options radius_edge and
  *  the limits count.
  *  sizes [vertex_count]: wanted length of edges about a vertex, model units; between the vertices it is interpolated.
+ *  Vertices of no triangle, which must lie in the inside, are for saying sizes there.
  *  Deterministic. PITH_BAD_MESH: a triangle without area, nothing enclosed, facets that cross (pith_mesh_crossing says where).
  *  PITH_EXTERNAL: the limits are reached, or TetGen fails. */
 pith_status pith_tets_conform(const pith_mesh_view *facets, const double *sizes, const pith_tets_options *options,

@@ -15,8 +15,7 @@ static const char *const methods[] = { "pmvc", "wos", "poisson", NULL };
 
 static const pith_param items[] = {
     { "method", "1", "how colours flow: pmvc is fast and smooth, wos harmonic and slow, poisson harmonic and prepared",
-      PITH_PARAM_CHOICE, 0, 0, 2,
-      AT(method), methods },
+      PITH_PARAM_CHOICE, 0, 0, 2, AT(method), methods },
     { "rays", "1", "pmvc: rays from each point; more are more exact", PITH_PARAM_UINT, 8, 256, 1 << 24, AT(rays),
       NULL },
     { "walks", "1", "wos: walks from each point; more are less noisy", PITH_PARAM_UINT, 1, 256, 1 << 24, AT(walks),
@@ -52,10 +51,11 @@ static pith_status check_prepared(const pith_diffusion *diffusion, double edge, 
                          "the diffusion surfaces are not prepared for the method poisson; pith_diffusion_prepare comes "
                          "first");
     if (diffusion->poisson->edge != edge)
-        return pith_fail(err, PITH_BAD_ARGUMENT,
-                         "the diffusion surfaces are prepared for tetrahedra with edges of %g radii, not %g; prepare them "
-                         "again",
-                         diffusion->poisson->edge, edge);
+        return pith_fail(
+            err, PITH_BAD_ARGUMENT,
+            "the diffusion surfaces are prepared for tetrahedra with edges of %g radii, not %g; prepare them "
+            "again",
+            diffusion->poisson->edge, edge);
     return PITH_OK;
 }
 

@@ -61,7 +61,7 @@ struct pith_diffusion {
     RTCDevice device;
     RTCScene scene;
     pith_vec3 centre;
-    double scale; /* scene = (model - centre) * scale; the sheets lie in the unit ball */
+    double scale;     /* scene = (model - centre) * scale; the sheets lie in the unit ball */
     poisson *poisson; /* NULL: not prepared */
 };
 

@@ -58,8 +58,9 @@ static pith_status solve(const sided *on, poisson *made, pith_diffusion_report *
     PITH_TRY(sided_solve(on, made->channels, made->chance, &report->unknowns, err));
     report->tetrahedra = on->tet_count;
     report->vertices = on->vertex_count;
-    report->bytes = on->vertex_count * (sizeof(pith_vec3) + sizeof *made->channels + (outside ? sizeof *made->chance : 0)) +
-                    (size_t)on->tet_count * sizeof *on->tets;
+    report->bytes =
+        on->vertex_count * (sizeof(pith_vec3) + sizeof *made->channels + (outside ? sizeof *made->chance : 0)) +
+        (size_t)on->tet_count * sizeof *on->tets;
     return PITH_OK;
 }
 
@@ -119,8 +120,10 @@ static void answer_point(const poisson *in, pith_vec3 p, float colour[4])
     colour[3] = (float)fmin(fmax(opacity / chance, 0.0), 1.0);
 }
 
-void poisson_answer(const asker *with, const pith_vec3 *points, const uint32_t *order, size_t count, float (*colours)[4])
+void poisson_answer(const asker *with, const pith_vec3 *points, const uint32_t *order, size_t count,
+                    float (*colours)[4])
 {
     for (size_t i = 0; i < count; ++i)
-        answer_point(with->diffusion->poisson, diffusion_to_scene(with->diffusion, points[order[i]]), colours[order[i]]);
+        answer_point(with->diffusion->poisson, diffusion_to_scene(with->diffusion, points[order[i]]),
+                     colours[order[i]]);
 }

@@ -10,10 +10,10 @@
 
 /* The sheets with one vertex for each place, and a ball around them. Scene units. */
 typedef struct facets {
-    pith_vec3 *positions;    /* [vertex_count] */
-    double *sizes;           /* [vertex_count] wanted lengths of edges */
+    pith_vec3 *positions; /* [vertex_count] */
+    double *sizes;        /* [vertex_count] wanted lengths of edges */
     uint32_t (*triangles)[3];
-    uint32_t *source;        /* [triangle_count] the sheets' triangle; PITH_NONE: of the ball */
+    uint32_t *source; /* [triangle_count] the sheets' triangle; PITH_NONE: of the ball */
     uint32_t vertex_count, triangle_count;
 } facets;
 
@@ -28,16 +28,17 @@ enum { CHANNELS = 4 }; /* red, green, blue times opacity, and opacity */
 /* Tetrahedra whose neighbours across a sheet have vertices of their own there. Regions that see nothing but hidden sides
    are left out. */
 typedef struct sided {
-    pith_vec3 *positions;     /* [vertex_count] */
-    uint32_t (*tets)[4];      /* [tet_count] */
-    bool *fixed;              /* [vertex_count] on a sheet */
+    pith_vec3 *positions;      /* [vertex_count] */
+    uint32_t (*tets)[4];       /* [tet_count] */
+    bool *fixed;               /* [vertex_count] on a sheet */
     double (*value)[CHANNELS]; /* [vertex_count] of those that are fixed, measured from the reference */
-    uint32_t *region;         /* [tet_count] */
+    uint32_t *region;          /* [tet_count] */
     uint32_t vertex_count, tet_count, region_count;
-    double (*bounds)[CHANNELS][2]; /* [region_count] least and largest of red, green, blue (not times opacity), opacity */
+    double (
+        *bounds)[CHANNELS][2]; /* [region_count] least and largest of red, green, blue (not times opacity), opacity */
     double reference[CHANNELS];
-    uint32_t outside;         /* the region that reaches to the ball; PITH_NONE: there is none or nothing is seen in it */
-    uint32_t (*rim)[3];       /* [rim_count] faces on the ball, counter-clockwise from outside */
+    uint32_t outside;   /* the region that reaches to the ball; PITH_NONE: there is none or nothing is seen in it */
+    uint32_t (*rim)[3]; /* [rim_count] faces on the ball, counter-clockwise from outside */
     uint32_t rim_count;
 } sided;
 
@@ -55,7 +56,7 @@ pith_status sided_solve(const sided *on, float (*channels)[CHANNELS], float *cha
 /* ---- poisson.c --------------------------------------------------------------------------------------------------------- */
 
 /* The ball around everything, radii. */
-#define HORIZON 4.0
+#define HORIZON 8.0
 
 struct poisson {
     double edge;

@@ -14,16 +14,17 @@ typedef struct work {
     const pith_diffusion *diffusion;
     const facets *all;
     pith_tets_view tets;
-    int64_t *wall;     /* [4 * tet_count] the sheets' triangle that the face opposite each corner lies on, or one of the above */
+    int64_t *
+        wall; /* [4 * tet_count] the sheets' triangle that the face opposite each corner lies on, or one of the above */
     uint32_t *fan;     /* [4 * tet_count] union-find over corners, then the number of the fan */
     uint32_t *region;  /* [tet_count] */
     uint32_t *queue;   /* [tet_count] */
     bool *seen_region; /* [region_count] something is to be seen in it */
     uint32_t region_count, fan_count, outside;
-    pith_vec3 *positions; /* [fan_count] */
+    pith_vec3 *positions;    /* [fan_count] */
     double (*sum)[CHANNELS]; /* [fan_count] of values, measured from the first that the fan met */
     double (*first)[CHANNELS];
-    uint32_t *met; /* [fan_count] faces of sheets, three to each */
+    uint32_t *met;                 /* [fan_count] faces of sheets, three to each */
     double (*bounds)[CHANNELS][2]; /* [region_count] */
 } work;
 
@@ -113,8 +114,10 @@ static void join_corners(work *w, uint32_t t, int k, uint32_t other)
         for (int d = 0; d < 4; ++d) {
             if (w->tets.tets[other][d] != w->tets.tets[t][c]) continue;
             const uint32_t a = root_of(w->fan, 4 * t + (uint32_t)c), b = root_of(w->fan, 4 * other + (uint32_t)d);
-            if (a < b) w->fan[b] = a;
-            else w->fan[a] = b;
+            if (a < b)
+                w->fan[b] = a;
+            else
+                w->fan[a] = b;
         }
     }
 }
@@ -145,7 +148,8 @@ static void find_regions(work *w)
             for (uint32_t k = 0; k < 4; ++k) {
                 const uint32_t t = w->queue[i], other = w->tets.neighbours[t][k];
                 if (w->wall[4 * (size_t)t + k] == BALL_WALL) w->outside = w->region_count;
-                if (w->wall[4 * (size_t)t + k] != NO_WALL || other == PITH_NONE || w->region[other] != PITH_NONE) continue;
+                if (w->wall[4 * (size_t)t + k] != NO_WALL || other == PITH_NONE || w->region[other] != PITH_NONE)
+                    continue;
                 w->region[other] = w->region_count;
                 w->queue[count++] = other;
             }
@@ -252,8 +256,7 @@ static void keep(const work *w, uint32_t *number, sided *made)
         }
         for (uint32_t k = 0; k < 4; ++k) {
             if (w->wall[4 * (size_t)t + k] != BALL_WALL) continue;
-            for (int c = 0; c < 3; ++c)
-                made->rim[made->rim_count][c] = made->tets[made->tet_count][face_corners[k][c]];
+            for (int c = 0; c < 3; ++c) made->rim[made->rim_count][c] = made->tets[made->tet_count][face_corners[k][c]];
             ++made->rim_count;
         }
         made->region[made->tet_count++] = w->region[t];

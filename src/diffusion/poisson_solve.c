@@ -22,7 +22,7 @@ typedef struct row_list {
 
 typedef struct system {
     const sided *on;
-    uint32_t *unknown; /* [vertex_count] or PITH_NONE where fixed */
+    uint32_t *unknown;        /* [vertex_count] or PITH_NONE where fixed */
     uint32_t unknowns, sides; /* right-hand sides: the channels, and with an outside the chance */
     row_list smooth, constrain;
     double *right; /* [row][sides] of the constraints */
@@ -104,8 +104,8 @@ static void add_rim(system_of *s)
     for (uint32_t f = 0; f < s->on->rim_count; ++f) {
         const uint32_t *v = s->on->rim[f];
         const pith_vec3 *p = s->on->positions;
-        const pith_vec3 n =
-            pith_scale(pith_cross(pith_sub(p[v[1]], p[v[0]]), pith_sub(p[v[2]], p[v[0]])), 0.5); /* as long as its area */
+        const pith_vec3 n = pith_scale(pith_cross(pith_sub(p[v[1]], p[v[0]]), pith_sub(p[v[2]], p[v[0]])),
+                                       0.5); /* as long as its area */
         for (int k = 0; k < 3; ++k) {
             row_list *rows = &s->smooth;
             const uint32_t at = rows->start[rows->count];
@@ -121,8 +121,8 @@ static pith_sparse_view look_rows(const row_list *rows, uint32_t columns)
     return (pith_sparse_view){ rows->count, columns, rows->start, rows->columns, rows->values };
 }
 
-/* Up to here the factor of Cholesky is faster than conjugate gradients, and fits. */
-enum { DIRECT_LIMIT = 20000 };
+/* Up to here the factor of Cholesky takes no longer than conjugate gradients; beyond, they win, and take less memory. */
+enum { DIRECT_LIMIT = 5000 };
 
 static pith_status solve_rows(system_of *s, pith_error *err)
 {
@@ -134,7 +134,8 @@ static pith_status solve_rows(system_of *s, pith_error *err)
         for (size_t c = 0; c < s->sides; ++c) s->b[c * rows + i] = s->right[i * s->sides + c];
     pith_solve_options options = pith_solve_options_default();
     options.direct_limit = DIRECT_LIMIT;
-    const pith_sparse_view smooth = look_rows(&s->smooth, s->unknowns), constrain = look_rows(&s->constrain, s->unknowns);
+    const pith_sparse_view smooth = look_rows(&s->smooth, s->unknowns),
+                           constrain = look_rows(&s->constrain, s->unknowns);
     pith_least_squares *least = NULL;
     PITH_TRY(pith_least_squares_create(&smooth, &constrain, &options, &least, err));
     const pith_status status = pith_least_squares_solve(least, s->b, s->sides, s->x, err);
@@ -154,8 +155,7 @@ static void hold_bounds(const double bounds[CHANNELS][2], const double reference
     const double opacity = clamp(reference[3] * chance + channels[3], bounds[3][0] * chance, bounds[3][1] * chance);
     channels[3] = opacity - reference[3] * chance;
     for (int k = 0; k < 3; ++k) {
-        const double whole =
-            clamp(reference[k] * chance + channels[k], bounds[k][0] * opacity, bounds[k][1] * opacity);
+        const double whole = clamp(reference[k] * chance + channels[k], bounds[k][0] * opacity, bounds[k][1] * opacity);
         channels[k] = whole - reference[k] * chance;
     }
 }

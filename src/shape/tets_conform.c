@@ -16,27 +16,27 @@ static pith_status check_facets(const pith_mesh_view *facets, const double *size
 {
     for (uint32_t v = 0; v < facets->vertex_count; ++v)
         if (!pith_finite(facets->positions[v]) || !(sizes[v] > 0.0 && isfinite(sizes[v])))
-            return pith_fail(err, PITH_BAD_MESH, "vertex %u lies at (%g, %g, %g) with edges of %g wanted about it; expected "
-                             "finite numbers, and a length above 0", v, facets->positions[v].x, facets->positions[v].y,
-                             facets->positions[v].z, sizes[v]);
+            return pith_fail(err, PITH_BAD_MESH,
+                             "vertex %u lies at (%g, %g, %g) with edges of %g wanted about it; expected "
+                             "finite numbers, and a length above 0",
+                             v, facets->positions[v].x, facets->positions[v].y, facets->positions[v].z, sizes[v]);
     for (uint32_t t = 0; t < facets->triangle_count; ++t) {
         const uint32_t *c = facets->triangles[t];
         if (c[0] >= facets->vertex_count || c[1] >= facets->vertex_count || c[2] >= facets->vertex_count)
             return pith_fail(err, PITH_BAD_MESH, "triangle %u uses a vertex beyond the %u there are", t,
                              facets->vertex_count);
         const pith_vec3 a = facets->positions[c[0]];
-        const pith_vec3 normal =
-            pith_cross(pith_sub(facets->positions[c[1]], a), pith_sub(facets->positions[c[2]], a));
+        const pith_vec3 normal = pith_cross(pith_sub(facets->positions[c[1]], a), pith_sub(facets->positions[c[2]], a));
         if (!(pith_dot(normal, normal) > 0.0))
-            return pith_fail(err, PITH_BAD_MESH, "triangle %u at (%g, %g, %g) has no area; clean the mesh first", t, a.x,
-                             a.y, a.z);
+            return pith_fail(err, PITH_BAD_MESH, "triangle %u at (%g, %g, %g) has no area; clean the mesh first", t,
+                             a.x, a.y, a.z);
     }
-    uint32_t pair[2]; /* TetGen crashes where facets cross; its own test for it takes twenty times as long as ours */
+    uint32_t pair[2]; /* TetGen crashes where facets cross; its own test for it takes many times as long as ours */
     pith_vec3 at;
     PITH_TRY(pith_mesh_crossing(facets, pair, &at, err));
     if (pair[0] != PITH_NONE)
-        return pith_fail(err, PITH_BAD_MESH, "triangles %u and %u cross or touch near (%g, %g, %g)", pair[0], pair[1], at.x,
-                         at.y, at.z);
+        return pith_fail(err, PITH_BAD_MESH, "triangles %u and %u cross or touch near (%g, %g, %g)", pair[0], pair[1],
+                         at.x, at.y, at.z);
     return PITH_OK;
 }
 
