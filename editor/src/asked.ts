@@ -4,7 +4,7 @@
 import type { App } from './app';
 import { Refusal } from './connection';
 import type { Json, Packet } from './protocol';
-import { bodyKey, solidOf } from './store';
+import { bodyKey, isBounded, solidOf } from './store';
 import { ColourSheet, type SeenPoints } from './view/asked';
 
 const rest = 160;                   // ms without a change of the view until it rests
@@ -34,6 +34,24 @@ export function installAskedColours(app: App): AskedTimes {
     if (seen !== null) timer = window.setTimeout(() => void ask(seen), rest);
   });
 
+  /* The skin of what is gathered by rays: voxels lie within it, and colours differ on either side. */
+  viewport.onView.push(() => {
+    for (const body of viewport.voxelBodies()) if (isSlow(solidOf(store.state, body)?.json)) void askSkin(body);
+  });
+
+  async function askSkin(body: number): Promise<void> {
+    const { view } = viewport, skin = view?.skinOf(body);
+    if (!view || !skin) return;
+    for (let first = 0; first < skin.vertices.length && viewport.view === view; first += few) {
+      const end = Math.min(first + few, skin.vertices.length), part = (values: Float32Array) => values.subarray(3 * first, 3 * end);
+      const answer = await colours(bodyKey(store.state, body), { points: part(skin.points), normals: part(skin.normals),
+        views: part(skin.normals), footprints: new Float32Array(end - first) });
+      if (!answer) return;
+      view.colourSkin(body, skin.vertices.subarray(first, end), answer.arrays.colours as Uint8Array);
+      viewport.invalidate();
+    }
+  }
+
   async function ask(seen: string): Promise<void> {
     const { width, height } = viewport.canvas, sheet = new ColourSheet(width, height), start = performance.now();
     const own = ++turn, fresh = (): boolean => own === turn && viewport.seen() === seen;
@@ -41,7 +59,8 @@ export function installAskedColours(app: App): AskedTimes {
     for (const [i, shift] of places.entries()) {
       for (const body of viewport.voxelBodies()) {
         if (!fresh()) return;
-        const found = viewport.seePoints(body, followsSides(solidOf(store.state, body)?.json), shift);
+        const solid = solidOf(store.state, body)?.json, painted = solid?.kind === 'diffusion' && isBounded(store.state, body);
+        const found = viewport.seePoints(body, followsSides(solid), painted, shift);
         const took = await takeAll(body, found, sheet, seen, fresh);
         if (took === null) return;
         points += found.pixels.length;

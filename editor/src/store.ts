@@ -161,3 +161,8 @@ export function boundsBody(state: State, body: number, name: string): boolean {
   const bounds = (bodyJson(state, body).shape?.surfaces ?? []) as string[];
   return bounds.includes(name) || surfacesOf(state, body).some((each) => each.name === name && each.kind === 'body');
 }
+
+/** Is the body's skin one of its surfaces? */
+export function isBounded(state: State, body: number): boolean {
+  return surfacesOf(state, body).some(({ name }) => boundsBody(state, body, name));
+}

@@ -186,9 +186,6 @@ pith_status pith_model_diffusion(pith_model *model, const pith_diffusion **diffu
 const pith_line_options *pith_model_lines(const pith_model *model);
 /** The solid the model is made of. */
 pith_status pith_model_solid(pith_model *model, const pith_solid **solid, pith_error *err);
-/** The same, as good as is to be seen while something moves, where the solid itself would take long: of diffusion it
- *  follows few rays. The caller destroys it, before the model; *draft is NULL where the solid is quick by itself. */
-pith_status pith_model_draft(pith_model *model, pith_solid **draft, pith_error *err);
 /** Report of the fill; NULL when the solid is not lapped, or not asked for yet. */
 const pith_lapped_report *pith_model_fill_report(const pith_model *model);
 /** The whole model as a part, for cutting. */

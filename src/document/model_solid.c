@@ -415,17 +415,3 @@ pith_status pith_model_solid(pith_model *model, const pith_solid **solid, pith_e
     if (solid) *solid = model->solid;
     return PITH_OK;
 }
-
-pith_status pith_model_draft(pith_model *model, pith_solid **draft, pith_error *err)
-{
-    enum { ROUGH = 32 };
-    const document_solid *chosen = NULL;
-    PITH_TRY(chosen_solid(model, &chosen, err));
-    PITH_TRY(pith_model_solid(model, NULL, err));
-    *draft = NULL;
-    if (chosen->kind != SOLID_DIFFUSION) return PITH_OK;
-    pith_diffusion_options rough = chosen->diffusion;
-    rough.method = PITH_DIFFUSION_PMVC;
-    rough.rays = rough.rays < ROUGH ? rough.rays : ROUGH;
-    return pith_solid_diffusion(model->diffusion, &rough, draft, err);
-}

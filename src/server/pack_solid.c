@@ -183,6 +183,21 @@ static void widen(uint8_t (*cells)[4], const uint32_t size[3])
     }
 }
 
+/* Solids that answer slowly, as they are asked for voxels: of diffusion few rays are followed. NULL of others. */
+static pith_status make_draft(pith_model *body, const pith_solid *solid, pith_solid **draft, pith_error *err)
+{
+    enum { ROUGH = 32 };
+    const pith_diffusion *diffusion;
+    const pith_diffusion_options *options;
+    *draft = NULL;
+    if (strcmp(pith_solid_kind(solid), "diffusion") != 0) return PITH_OK;
+    PITH_TRY(pith_model_diffusion(body, &diffusion, &options, err));
+    pith_diffusion_options rough = *options;
+    rough.method = PITH_DIFFUSION_PMVC;
+    rough.rays = rough.rays < ROUGH ? rough.rays : ROUGH;
+    return pith_solid_diffusion(diffusion, &rough, draft, err);
+}
+
 static pith_status put_voxels(packet_maker *maker, pith_model *body, const pith_solid *solid, pith_error *err)
 {
     const pith_tets *tets;
@@ -191,7 +206,7 @@ static pith_status put_voxels(packet_maker *maker, pith_model *body, const pith_
     pith_solid *draft = NULL;
     PITH_TRY(pith_model_tets(body, &tets, NULL, err));
     PITH_TRY(pith_model_locator(body, &locator, err));
-    PITH_TRY(pith_model_draft(body, &draft, err));
+    PITH_TRY(make_draft(body, solid, &draft, err));
     const bool slow = draft || strcmp(pith_solid_kind(solid), "combined") == 0;
     const pith_status status = pith_bake_voxels(draft ? draft : solid, tets, locator, slow ? FEW : VOXELS, NULL, &grid, err);
     pith_solid_destroy(draft);

@@ -35,7 +35,7 @@ export function brushRadius({ store, viewport }: App): number {
 
 /* Bodies stand where "place" says: from there to where their surfaces were drawn. */
 function unplaced(state: State, body: number): Matrix4 {
-  const { scale = 1, turn_x = 0, turn_y = 0, turn_z = 0, move_x = 0, move_y = 0, move_z = 0 } = bodyJson(state, body).place ?? {};
+  const { scale = 1, turn_x = 0, turn_y = 0, turn_z = 0, move_x = 0, move_y = 0, move_z = 0 } = bodyJson(state, body).shape?.place ?? {};
   const turned = new Matrix4(), about = (made: Matrix4): void => { turned.premultiply(made); };
   about(new Matrix4().makeScale(scale, scale, scale));
   about(new Matrix4().makeRotationX((turn_x * Math.PI) / 180));

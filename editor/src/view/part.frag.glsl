@@ -23,6 +23,7 @@ uniform highp sampler3D ghost;
 uniform vec2 ghostMask;         // radius, drop-off
 #endif
 #ifdef GRID
+in vec4 vSkin;
 uniform highp sampler3D voxels;
 uniform vec3 gridOrigin, gridExtent;
 uniform bool known;             // are there colours for each pixel?
@@ -68,6 +69,7 @@ vec3 ownColour(bool section, uint face)
 #endif
 #ifdef GRID
         colour = textureLod(voxels, (vMaterial - gridOrigin) / gridExtent, 0.0).rgb;
+        if (!section && vSkin.a > 0.99) colour = fromSrgb(vSkin.rgb);
         vec4 own = known ? texelFetch(colours, ivec2(gl_FragCoord.xy), 0) : vec4(0.0);
         if (own.a > 0.0) colour = fromSrgb(own.rgb);
 #endif

@@ -321,12 +321,13 @@ export class Viewport {
     return [...bodies].filter((body) => this.solids.get(body)?.defines.GRID);
   }
 
-  /** The points of such a body that are seen, moved from the middles of the pixels by parts of one. */
-  seePoints(body: number, turned: boolean, [dx, dy]: readonly [number, number]): SeenPoints {
+  /** The points of such a body that are seen, moved from the middles of the pixels by parts of one; `painted`: but for
+      its skin, where the colours of that are known. */
+  seePoints(body: number, turned: boolean, painted: boolean, [dx, dy]: readonly [number, number]): SeenPoints {
     const groups = [this.view!.group, ...(this.section ? [this.section.group] : [])], { camera } = this.table;
     const { width, height } = this.canvas;
     camera.setViewOffset(width, height, dx, dy, width, height);
-    const found = this.pass.see(body, groups, camera, turned);
+    const found = this.pass.see(body, groups, camera, turned, painted && this.view!.skinned.has(body));
     camera.clearViewOffset();
     return found;
   }
