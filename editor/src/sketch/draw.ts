@@ -1,10 +1,10 @@
 // What a pane shows: grid, picture, axis, folds, curves.
 
-import type { Json } from '../protocol';
+import type { Json, Point } from '../protocol';
 import { write } from '../ui/numbers';
-import { surfacesOf } from '../store';
+import { chosenSurface, surfacesOf } from '../store';
 import { isPositive, type Vec } from './curve';
-import { foldsOf, type Curve } from './drawn';
+import { colourOf, foldsOf, type Curve } from './drawn';
 import type { Pane } from './pane';
 
 export const axisColour = '#3fae5a';
@@ -23,7 +23,20 @@ export function drawPane(brush: CanvasRenderingContext2D, pane: Pane): void {
   if (pane.name === 'vertical') for (const curve of curves) drawMirror(brush, pane, curve);
   for (const curve of curves) if (curve.surface !== selectedSurface) drawCurve(brush, pane, curve, false);
   for (const curve of curves) if (curve.surface === selectedSurface) drawCurve(brush, pane, curve, true);
+  drawRegion(brush, pane);
   drawNumbers(brush, numbers);
+}
+
+/* Where the chosen grains are strewn. */
+function drawRegion(brush: CanvasRenderingContext2D, pane: Pane): void {
+  const grains = chosenSurface(pane.app.store.state)?.json;
+  if (pane.name !== 'vertical' || grains?.kind !== 'grains') return;
+  brush.globalAlpha = 0.35;
+  for (const { points, radius = 0 } of (grains.region ?? []) as Json[]) {
+    const at = (points as Point[]).map(([x, y, z]) => pane.toScreen(Math.hypot(x, y), z));
+    line(brush, at.length > 1 ? at : [at[0], at[0]], colourOf(grains), Math.max(3, 2 * radius * pane.zoom));
+  }
+  brush.globalAlpha = 1;
 }
 
 /* ---- below the curves ---------------------------------------------------------------------------------------------- */

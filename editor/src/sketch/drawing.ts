@@ -117,6 +117,7 @@ function take(session: Session, pane: Pane, drawn: Knot[], closed: boolean): voi
   if (pane.name === 'vertical') {
     const knots = tidy(toHalfPlane(drawn, closed, snapPixels * pixel, pixel), pixel);
     const surface = chosenSurface(state)?.json;
+    if (session.values.redraw && surface?.kind === 'grains') return strew(session, pane, drawn);
     if (session.values.redraw && surface?.vertical) redraw(session, surface, knots, closed, snapPixels * pixel);
     else newSurface(session, knots, closed);
     return;
@@ -138,6 +139,16 @@ function redraw(session: Session, surface: Json, knots: Knot[], closed: boolean,
   }
   const at = surfacesOf(state).indexOf(surface);
   void session.apply(`Draw ${surface.name} anew`, redrawVertical(state, surface, at, knots, closed, snap));
+}
+
+/** How wide the brush is that says where grains are strewn, pixels. */
+export const strewPixels = 14;
+
+/* The stroke, all round the axis, is where the chosen grains are strewn; what was drawn before stays so, too. */
+function strew(session: Session, pane: Pane, knots: Knot[]): void {
+  const { place, json } = chosenSurface(session.app.store.state)!, round = (value: number): number => Number(value.toPrecision(4));
+  const brush = { points: tidy(knots, pane.pixel).map(({ x, y }) => [Math.max(0, x), 0, y]), radius: round(strewPixels * pane.pixel), repeat: 'around' };
+  void session.apply(`Strew ${json.name} there`, [{ op: 'set', path: `${place}.region[${(json.region ?? []).length}]`, value: brush }]);
 }
 
 /* Asks for a name; the curve shows meanwhile. */

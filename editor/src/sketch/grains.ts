@@ -8,6 +8,7 @@ import { button, choice, iconButton, row, segmented } from '../ui/controls';
 import { h, recall, remember, type Child } from '../ui/dom';
 import { section } from '../ui/layout';
 import { many } from '../ui/numbers';
+import { numberField } from '../ui/slider';
 import { surfacesOf } from '../store';
 import { clearLine, dot, themeColour } from './draw';
 import { area2, distance, knotsOf, pointsOf, Spline, type Knot, type Vec } from './curve';
@@ -32,15 +33,17 @@ export function grainRows(context: Context, surface: Json, path: string): Child 
   optionRows(app, path, { of: 'grains', only: ['radius', 'scale', 'scale_spread', 'turn_spread', 'offset', 'seed'],
     more: ['turn_spread', 'offset', 'seed'], soft: { radius: [far / 200, far / 2], scale: [0.1, 4], offset: [-far / 20, far / 20] } }),
   grainForm(context, surface, path),
-  region.length > 0 && regionRows(context, region, path)];
+  region.length > 0 ? regionRows(context, region, path)
+    : h('p', { class: 'quiet' }, 'They are strewn everywhere; draw with “Strew” along the axis to say where.')];
 }
 
 /* Where grains are strewn, as brushes say. */
 function regionRows({ app }: Context, region: Json[], path: string): HTMLElement {
   const fold = section('grains.region', `Where (${region.length})`, { folded: true, inner: true });
   fold.body.append(h('ul', { class: 'list', 'aria-label': 'Where grains are strewn' }, region.map((brush, i) => h('li', { class: 'list-row' },
-    h('div', { class: 'list-line' }, h('span', { class: 'list-main' }, `${many(brush.points?.length ?? 0, 'point')}, radius ${brush.radius ?? 0}`),
-      h('span', { class: 'list-actions' }, iconButton('trash', 'Remove this brush',
+    h('div', { class: 'list-line' }, h('span', { class: 'list-main' }, many(brush.points?.length ?? 0, 'point')),
+      h('span', { class: 'list-actions' }, numberField('Radius of the brush', { min: 0, max: 1e9, soft: [0, 10 * (brush.radius || 0.1)] }, brush.radius ?? 0,
+        (radius) => void setValue(app, 'Width of the brush', `${path}.region[${i}].radius`, radius), { key: `${path}.region[${i}].radius` }).element, iconButton('trash', 'Remove this brush',
         () => void removeValue(app, 'Strew fewer places', region.length === 1 ? `${path}.region` : `${path}.region[${i}]`),
         { look: 'plain', key: `${path}.region[${i}]-` })))))));
   return fold.element;

@@ -143,10 +143,12 @@ export class Workspace {
       (value) => session.set({ smoothing: value }), { key: 'sketch smoothing' }).element);
     switch (tool) {
       case 'draw': {
+        const grains = chosen?.kind === 'grains', able = grains || chosen?.vertical !== undefined;
         const choices = [{ value: 'new', label: 'New surface', tip: 'A curve along the axis becomes a new surface' },
-          { value: 'redraw', label: chosen ? `Redraw ${chosen.name}` : 'Redraw', disabled: !chosen?.vertical,
-            tip: 'A curve along the axis replaces that of the chosen surface' }];
-        return [segmented('What a curve along the axis becomes', choices, redraw && chosen?.vertical ? 'redraw' : 'new',
+          { value: 'redraw', label: chosen ? `${grains ? 'Strew' : 'Redraw'} ${chosen.name}` : 'Redraw', disabled: !able,
+            tip: grains ? 'A stroke along the axis, over the surface that they lie on, says where they are strewn'
+              : 'A curve along the axis replaces that of the chosen surface' }];
+        return [segmented('What a curve along the axis becomes', choices, redraw && able ? 'redraw' : 'new',
           (value) => session.set({ redraw: value === 'redraw' }), { key: 'sketch draw' }).element,
         h('span', { class: 'quiet' }, chosen?.vertical ? `Across: the loop of ${chosen.name}` : '')];
       }
