@@ -454,5 +454,61 @@ describe('the sketch', { timeout: 900000 }, () => {
     for (let i = 1; i <= 40; ++i) await page.mouse.move(box.x + 95 + 60 * Math.cos(turn(i)), box.y + 60 + 30 * Math.sin(turn(i)));
     await page.mouse.up();
     await until(page, 'their profile is drawn', (text) => JSON.stringify(text.surfaces[1].grain.profile) !== JSON.stringify(before));
+    // A stroke along the axis says where they are.
+    await tool(page, 'Draw');
+    await page.getByRole('radio', { name: 'Strew seeds' }).click();
+    await stroke(page, 'vertical', [[0.95, 0.3], [1, 0.1], [0.98, -0.2], [0.9, -0.4]]);
+    await until(page, 'they have a place', (text) => text.surfaces[1].region?.length === 1);
+    const [brush] = (await surface(page, 'seeds')).region;
+    assert.equal(brush.repeat, 'around');
+    assert.ok(brush.radius > 0 && brush.points.every(([x, y]) => x > 0.85 && y === 0), JSON.stringify(brush));
+  });
+
+  test('another individual of its kind, and the drawing again', async () => {
+    const page = await open('sketch.pith', { change: (text) => {
+      text.surfaces[0].horizontal = Array.from({ length: 30 }, (_, i) => { const a = (2 * Math.PI * i) / 30, r = 1 + 0.06 * Math.sin(3 * a) + 0.04 * Math.cos(7 * a); return [r * Math.cos(a), r * Math.sin(a)]; });
+    } });
+    await page.getByRole('button', { name: 'Another one' }).click();
+    await until(page, 'it is varied', (text) => text.sketch.variation?.seed > 0);
+    const { seed } = (await documentOf(page)).sketch.variation;
+    const strength = page.locator('[data-key="sketch.variation.strength"]');
+    await strength.fill('2');
+    await strength.press('Enter');
+    await until(page, 'it is varied more', (text) => text.sketch.variation.strength === 2 && text.sketch.variation.seed === seed);
+    await page.getByRole('button', { name: 'As it was drawn' }).click();
+    await until(page, 'it is as drawn', (text) => !text.sketch.variation);
+  });
+
+  test('keys take up tools and give up what is under way; clicks draw point by point; the panes close', async () => {
+    const page = await open();
+    await page.locator('[data-pane=vertical] canvas').focus();
+    for (const [key, name] of [['e', 'edit'], ['b', 'bend'], ['s', 'smooth'], ['x', 'erase'], ['i', 'pick'], ['r', 'picture'], ['d', 'draw']]) {
+      await page.keyboard.press(key);
+      assert.equal(await page.evaluate(() => globalThis.pith.sketch.session.values.tool), name, `${key} takes ${name}`);
+      assert.equal(await page.evaluate(() => globalThis.pith.store.state.tool), 'select', 'the tool of the view is another thing');
+    }
+    await click(page, 'vertical', [0.2, 0.5]);
+    await click(page, 'vertical', [0.5, 0.2]);
+    await page.keyboard.press('Escape');
+    for (const point of [[0.01, 0.5], [0.5, 0.3], [0.5, -0.3], [0.01, -0.5]]) await click(page, 'vertical', point);
+    await page.keyboard.press('Enter');
+    await page.locator('dialog').getByLabel('Name').press('Enter');
+    await until(page, 'there is another surface', (text) => text.surfaces[1]?.name === 'flesh');
+    const { vertical, kind } = await surface(page, 'flesh'), pixel = await pixelOf(page, 'vertical');
+    assert.equal(kind, 'around');
+    assert.equal(vertical.length, 4);
+    assert.deepEqual([vertical[0][0], vertical[3][0]], [0, 0], 'its ends snapped to the axis');
+    assert.ok(Math.hypot(vertical[1][0] - 0.5, vertical[1][1] - 0.3) < 2 * pixel, `it runs through ${vertical[1]}`);
+    // What the server refuses leaves everything as it is, and says why.
+    await page.keyboard.press('d');
+    await stroke(page, 'vertical', [[0.2, 0.6], [0.8, -0.2], [0.8, 0.2], [0.2, -0.6]].flatMap(([x, y], i, all) => {
+      const [u, v] = all[Math.min(i + 1, 3)];
+      return Array.from({ length: 8 }, (_, k) => [x + ((u - x) * k) / 8, y + ((v - y) * k) / 8]);
+    }));
+    await page.locator('dialog').getByLabel('Name').press('Enter');
+    await page.locator('.message', { hasText: /cross/ }).waitFor();
+    assert.equal((await documentOf(page)).surfaces.length, 2);
+    await page.keyboard.press('k');
+    await page.locator('.sketch').waitFor({ state: 'hidden' });
   });
 });
