@@ -41,8 +41,8 @@ export async function startSketch(app: App): Promise<void> {
 /** What the panes offer while a body has no surfaces yet. */
 export function startCard({ app }: Context): HTMLElement {
   const host = h('div', { class: 'sketch-start' });
-  live(app.store, host, ['document', 'body', 'connection'], (state) =>
-    state.connection === 'connecting' || surfacesOf(state).length > 0 ? null : { shaped: bodyJson(state).shape !== undefined },
+  live(app.store, host, ['document', 'body', 'connection', 'sketching'], (state) =>
+    !state.sketching || state.connection === 'connecting' || surfacesOf(state).length > 0 ? null : { shaped: bodyJson(state).shape !== undefined },
   (what) => what && h('div', { class: 'stage-card' },
     h('p', null, 'Nothing is sketched of this body yet. Draw its surfaces along and across an axis, colour them, and the colours ' +
       'flow between them.'),
