@@ -215,7 +215,7 @@ static void test_sections_of_what_surrounds_the_axis_are_the_curves(void **state
     draw_pepper(&vertical, &horizontal);
     for (uint32_t folds = 0; folds <= 5; folds += 5) {
         double before = 0.0;
-        for (uint32_t n = 40; n <= 320; n *= 2) {
+        for (uint32_t n = 40; n <= 160; n *= 2) {
             const pith_feature feature = around("pepper", &vertical, &horizontal, 2 * n, n);
             const pith_sketch sketch = { &feature, 1, folds, 11 };
             pith_mesh *mesh = surface_of(&sketch, 0);
