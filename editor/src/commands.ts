@@ -145,6 +145,7 @@ export class Commands {
       { id: 'options', label: 'Go to the tool’s options', group: 'Page', keys: ['Space'], run: verbs.focusOptions },
       { id: 'inspector', label: 'Inspector', group: 'Page', keys: ['N'],
         run: () => store.set({ inspector: !store.state.inspector }) },
+      { id: 'sketch', label: 'Sketch', group: 'Page', keys: ['K'], run: () => store.set({ sketching: !store.state.sketching }) },
       { id: 'theme', label: 'Light or dark', group: 'Page', keys: [], run: verbs.theme },
       { id: 'escape', label: 'Give up what is under way, or the tool', group: 'Page', keys: ['Escape'], run: () => {
         const { busy } = toolbox;

@@ -126,11 +126,11 @@ store.on(['isolines'], () => viewport.look({ isolines: store.state.isolines }));
 toolbox.add(selectTool(app), cutTool(app), planeTool(app), fillTool(app), faceTool(app), depthTool(app), pointsTool(app),
             directionTool(app), scaleTool(app), pasteTool(app),
             paintSurfaceTool(app), eraseSurfaceTool(app));
-const commands = buildPage(app);
+const { commands, sketch } = buildPage(app);
 installFieldView(app);
 installSurfaceView(app);
 installMarks(app);
 installVolumeView(app);
 const asked = installAskedColours(app);
 toolbox.enter();
-(globalThis as any).pith = Object.assign(app, { commands, asked }); // for tests, benchmarks, and the curious
+(globalThis as any).pith = Object.assign(app, { commands, asked, sketch }); // for tests, benchmarks, and the curious

@@ -61,7 +61,8 @@ export interface State {
   separate: boolean;                // the same
   chosenCut: number | null;         // the row that Delete takes away
   pointed: string | null;           // the row of a list under the pointer: 'depth 2', 'direction 0', 'scale 1', 'paste 0'
-  tab: 'inside' | 'fields' | 'cuts' | 'look';
+  sketching: boolean;               // are the panes open?
+  tab: 'inside' | 'fields' | 'sketch' | 'cuts' | 'look';
   inspector: boolean;               // is it open?
   clip: boolean;                    // is the clip plane shown?
   theme: 'dark' | 'light';
@@ -77,7 +78,7 @@ export const initial: State = {
   crease: 30, layer: null, isolines: true, lines: 'none', linesOf: '', apart: 0, size: 0, pasting: null,
   selectedSurface: null, shownSurfaces: {}, skin: 0.25, paintWhat: 'colour', paintColour: '#c83c28', recentColours: [],
   paintBlur: 0, paintRadius: 0, paintSide: 'both', paintRepeat: 'once', eraseSide: 'click', surfacesWhy: null, keep: 'positive',
-  separate: false, chosenCut: null, pointed: null, tab: 'inside', inspector: true, clip: false, theme: 'dark', hint: '', serial: 0,
+  separate: false, chosenCut: null, pointed: null, sketching: false, tab: 'inside', inspector: true, clip: false, theme: 'dark', hint: '', serial: 0,
 };
 
 type Key = keyof State;

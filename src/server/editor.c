@@ -97,7 +97,7 @@ static const argument of_colours[] = {
     { "light", ARGUMENT_POINT, false, 0, 0, NULL },
     NO_MORE,
 };
-static const argument of_recipe[] = {
+static const argument of_path[] = {
     { "path", ARGUMENT_TEXT, true, 0, 0, NULL },
     NO_MORE,
 };
@@ -118,9 +118,10 @@ const verb editor_verbs[] = {
     { "exemplar", false, of_exemplar, false, do_exemplar },
     { "node", false, of_node, false, do_node },
     { "colours", true, of_colours, false, do_colours },
-    { "recipe", false, of_recipe, false, do_recipe },
+    { "recipe", false, of_path, false, do_recipe },
     { "files", false, of_files, false, do_files },
     { "file.put", true, of_file_put, false, do_file_put },
+    { "image", false, of_path, false, do_image },
     { "picture", false, of_picture, true, do_picture },
     { NULL, false, NULL, false, NULL },
 };

@@ -88,6 +88,7 @@ void build_told(editor *own, const json_t *event);
 
 pith_status do_files(editor *own, request *asked, pith_error *err);
 pith_status do_file_put(editor *own, request *asked, pith_error *err);
+pith_status do_image(editor *own, request *asked, pith_error *err);
 
 /* ---- looking: requests_look.c ------------------------------------------------------------------------------------ */
 
