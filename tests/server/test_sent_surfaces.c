@@ -3,10 +3,10 @@
 #include "desk.h"
 
 #define TUBE(colours)                                                                                                  \
-    "{\"name\": \"tube\", \"kind\": \"around\", \"vertical\": [[0.5, 0.4], [0.5, 0.1], [0.5, -0.4]], "                \
+    "{\"name\": \"tube\", \"kind\": \"around\", \"vertical\": [[0.5, 0.4], [0.5, 0.1], [0.5, -0.4]], "                 \
     "\"across\": 32, \"along\": 9, \"colours\": {" colours "}}"
 #define BALL                                                                                                           \
-    "{\"name\": \"ball\", \"kind\": \"around\", \"vertical\": [[0, 0.2], [0.2, 0], [0, -0.2]], \"across\": 24, "      \
+    "{\"name\": \"ball\", \"kind\": \"around\", \"vertical\": [[0, 0.2], [0.2, 0], [0, -0.2]], \"across\": 24, "       \
     "\"along\": 12, \"colours\": {\"front\": \"#102030\", \"blur\": 0.01}}"
 #define TWO TUBE("\"front\": \"#c02010\", \"back\": \"#20c040\"") ", " BALL
 
@@ -14,8 +14,10 @@
 static desk *open_surfaces(const char *place, const char *surfaces)
 {
     char text[4000];
-    snprintf(text, sizeof text, "{\"pith\": 1, \"title\": \"sample\", \"shape\": {%s \"fruit\": {\"detail\": 1}, "
-             "\"tets\": {\"tetrahedra\": 200}}, \"surfaces\": [%s]}", place, surfaces);
+    snprintf(text, sizeof text,
+             "{\"pith\": 1, \"title\": \"sample\", \"shape\": {%s \"fruit\": {\"detail\": 1}, "
+             "\"tets\": {\"tetrahedra\": 200}}, \"surfaces\": [%s]}",
+             place, surfaces);
     write_text("kiwi.pith", text);
     desk *made = desk_open(false, false);
     ASK(made, "\"do\": \"hello\"");
@@ -143,8 +145,10 @@ static void test_documents_without_surfaces_hear_nothing(void **state)
     write_text("kiwi.pith", SAMPLE_DOCUMENT);
     desk *at = desk_open(false, false);
     ASK(at, "\"do\": \"hello\"");
-    ASK(at, "\"do\": \"apply\", \"revision\": %lld, \"name\": \"a\", \"operations\": [{\"op\": \"set\", \"path\": "
-        "\"title\", \"value\": \"b\"}]", desk_revision(at));
+    ASK(at,
+        "\"do\": \"apply\", \"revision\": %lld, \"name\": \"a\", \"operations\": [{\"op\": \"set\", \"path\": "
+        "\"title\", \"value\": \"b\"}]",
+        desk_revision(at));
     for (int i = 0; i < 100; ++i) desk_nap();
     desk_listen(at);
     for (size_t i = 0; i < at->count; ++i) assert_string_not_equal(text_of(at->heard[i].text, "event"), "surfaces");
@@ -252,9 +256,10 @@ static void test_grains_say_the_form_of_one(void **state)
 static void test_a_body_like_another_has_its_surfaces(void **state)
 {
     (void)state;
-    write_text("kiwi.pith", "{\"pith\": 1, \"bodies\": [{\"name\": \"one\", \"shape\": {\"fruit\": {\"detail\": 1}, \"tets\": "
-                            "{\"tetrahedra\": 200}}, \"surfaces\": [" TWO "]}, {\"name\": \"other\", \"like\": \"one\", "
-                            "\"shape\": {\"place\": {\"move_x\": 3}}}]}");
+    write_text("kiwi.pith",
+               "{\"pith\": 1, \"bodies\": [{\"name\": \"one\", \"shape\": {\"fruit\": {\"detail\": 1}, \"tets\": "
+               "{\"tetrahedra\": 200}}, \"surfaces\": [" TWO "]}, {\"name\": \"other\", \"like\": \"one\", "
+               "\"shape\": {\"place\": {\"move_x\": 3}}}]}");
     desk *at = desk_open(false, false);
     ASK(at, "\"do\": \"hello\"");
     const json_t *event = wait_for_list(at), *body = json_array_get(json_object_get(event, "bodies"), 1);
