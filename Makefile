@@ -91,6 +91,7 @@ bench: $(BUILD)/pith-configured
 	$(BUILD)/pith bench volume --json > bench/results/volume.json
 	$(BUILD)/pith bench atlas --json > bench/results/atlas.json
 	$(BUILD)/pith bench diffusion --json > bench/results/diffusion.json
+	$(BUILD)/pith bench methods --picture docs/gallery/diffusion-methods.png --json > bench/results/methods.json
 
 gallery: editor $(BUILD)/pith-configured
 	@tools/install-packages browser
