@@ -4,11 +4,12 @@
 import type { App } from './app';
 import { Refusal } from './connection';
 import type { Json, Packet } from './protocol';
-import { bodyKey, solidOf } from './store';
+import { bodyKey, isBounded, solidOf } from './store';
 import { ColourSheet, type SeenPoints } from './view/asked';
 
 const rest = 160;                   // ms without a change of the view until it rests
 const most = 1 << 16;               // points in a request: others come between
+const few = 1 << 13;                // of solids that take their time over each
 const often = 120;                  // ms between pictures while colours arrive
 /* The first answer for each pixel is for its middle; these follow, so that edges finer than a pixel become grey. */
 const places = [[0, 0], [-0.375, 0.125], [0.125, 0.375], [0.375, -0.125], [-0.125, -0.375]] as const;
@@ -33,6 +34,24 @@ export function installAskedColours(app: App): AskedTimes {
     if (seen !== null) timer = window.setTimeout(() => void ask(seen), rest);
   });
 
+  /* The skin of what is gathered by rays: voxels lie within it, and colours differ on either side. */
+  viewport.onView.push(() => {
+    for (const body of viewport.voxelBodies()) if (isSlow(solidOf(store.state, body)?.json)) void askSkin(body);
+  });
+
+  async function askSkin(body: number): Promise<void> {
+    const { view } = viewport, skin = view?.skinOf(body);
+    if (!view || !skin) return;
+    for (let first = 0; first < skin.vertices.length && viewport.view === view; first += few) {
+      const end = Math.min(first + few, skin.vertices.length), part = (values: Float32Array) => values.subarray(3 * first, 3 * end);
+      const answer = await colours(bodyKey(store.state, body), { points: part(skin.points), normals: part(skin.normals),
+        views: part(skin.normals), footprints: new Float32Array(end - first) });
+      if (!answer) return;
+      view.colourSkin(body, skin.vertices.subarray(first, end), answer.arrays.colours as Uint8Array);
+      viewport.invalidate();
+    }
+  }
+
   async function ask(seen: string): Promise<void> {
     const { width, height } = viewport.canvas, sheet = new ColourSheet(width, height), start = performance.now();
     const own = ++turn, fresh = (): boolean => own === turn && viewport.seen() === seen;
@@ -40,7 +59,8 @@ export function installAskedColours(app: App): AskedTimes {
     for (const [i, shift] of places.entries()) {
       for (const body of viewport.voxelBodies()) {
         if (!fresh()) return;
-        const found = viewport.seePoints(body, followsSides(solidOf(store.state, body)?.json), shift);
+        const solid = solidOf(store.state, body)?.json, painted = solid?.kind === 'diffusion' && isBounded(store.state, body);
+        const found = viewport.seePoints(body, followsSides(solid), painted, shift);
         const took = await takeAll(body, found, sheet, seen, fresh);
         if (took === null) return;
         points += found.pixels.length;
@@ -56,8 +76,9 @@ export function installAskedColours(app: App): AskedTimes {
   async function takeAll(body: number, found: SeenPoints, sheet: ColourSheet, seen: string,
     fresh: () => boolean): Promise<number | null> {
     let shown = performance.now(), bytes = 0;
-    for (let first = 0; first < found.pixels.length; first += most) {
-      const end = Math.min(first + most, found.pixels.length);
+    const step = isSlow(solidOf(store.state, body)?.json) ? few : most;
+    for (let first = 0; first < found.pixels.length; first += step) {
+      const end = Math.min(first + step, found.pixels.length);
       const part = (values: Float32Array | null): Float32Array | null => values && values.subarray(3 * first, 3 * end);
       const arrays: { [name: string]: Float32Array } = { points: part(found.points)!,
         footprints: found.footprints.subarray(first, end) };
@@ -85,6 +106,10 @@ export function installAskedColours(app: App): AskedTimes {
   return times;
 }
 
+/* Colours that flow are gathered by rays from every point. */
+function isSlow(solid: Json | undefined): boolean { return solid?.kind === 'diffusion' || solid?.kind === 'combined'; }
+
+/* On a surface that colours flow from the colour is that of the side. */
 function followsSides(solid: Json | undefined): boolean {
-  return ((solid?.nodes ?? []) as Json[]).some((node) => turned.includes(node.function));
+  return isSlow(solid) || ((solid?.nodes ?? []) as Json[]).some((node) => turned.includes(node.function));
 }

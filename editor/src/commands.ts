@@ -3,8 +3,9 @@
 import { Vector3 } from 'three';
 import type { App } from './app';
 import { stepLayer } from './fieldview';
-import { bodyJson, type ViewMode } from './store';
+import { bodyJson, surfacesOf, type ViewMode } from './store';
 import { save, saveAs } from './dialogs/saving';
+import { flipObstacle, flipSurface, showSurface } from './surfaceview';
 import { anyHidden, hidePart, showAllParts } from './parts';
 
 export interface Command {
@@ -87,7 +88,7 @@ export class Commands {
       id: `from-${id}`, label, group: 'View', keys,
       run: () => viewport.table.lookFrom(new Vector3(...direction), new Vector3(0, 0, 1)),
     });
-    const modes: ViewMode[] = ['solid', 'depth', 'shape', 'volume'];
+    const modes = (): ViewMode[] => ['solid', 'depth', 'shape', 'volume', ...(surfacesOf(state).length ? ['surfaces' as const] : [])];
     return [
       { id: 'frame', label: 'Show everything', group: 'View', keys: ['F'], run: () => viewport.table.frame() },
       { id: 'camera', label: 'Look as the document does', group: 'View', keys: ['0'],
@@ -96,7 +97,7 @@ export class Commands {
       from('right', 'From the right', ['3'], [1, 0, 0]), from('left', 'From the left', ['Shift+3'], [-1, 0, 0]),
       from('top', 'From above', ['7'], [0, 0, 1]), from('bottom', 'From below', ['Shift+7'], [0, 0, -1]),
       { id: 'mode', label: 'Next view mode', group: 'View', keys: ['Z'],
-        run: () => store.set({ mode: modes[(modes.indexOf(state.mode) + 1) % modes.length] }) },
+        run: () => store.set({ mode: modes()[(modes().indexOf(state.mode) + 1) % modes().length] }) },
       { id: 'layer-up', label: 'A layer further out', group: 'View', keys: [']'], why: () => noDepth(this.app),
         run: () => store.set({ layer: stepLayer(state.layer, -0.05) }) },
       { id: 'layer-down', label: 'A layer further in', group: 'View', keys: ['['], why: () => noDepth(this.app),
@@ -106,6 +107,11 @@ export class Commands {
         run: () => store.set({ isolines: !state.isolines }) },
       { id: 'lines', label: 'Streamlines', group: 'View', keys: ['L'],
         run: () => store.set({ lines: state.lines === 'none' ? (state.layer === null ? 'body' : 'layer') : 'none' }) },
+      { id: 'surface-eye', label: 'Show or hide the chosen surface', group: 'View', keys: ['E'],
+        why: () => (state.selectedSurface === null ? 'Choose a surface first.' : null),
+        run: () => showSurface(this.app, state.selectedSurface!, state.shownSurfaces[state.selectedSurface!] === false) },
+      { id: 'surface-flip', label: 'Exchange the colours of the chosen surface’s sides', group: 'View', keys: [],
+        why: () => flipObstacle(state), run: () => void flipSurface(this.app) },
       { id: 'snapshot', label: 'Take a picture', group: 'View', keys: ['Shift+P'], run: verbs.snapshot },
     ];
   }
@@ -139,6 +145,7 @@ export class Commands {
       { id: 'options', label: 'Go to the tool’s options', group: 'Page', keys: ['Space'], run: verbs.focusOptions },
       { id: 'inspector', label: 'Inspector', group: 'Page', keys: ['N'],
         run: () => store.set({ inspector: !store.state.inspector }) },
+      { id: 'sketch', label: 'Sketch', group: 'Page', keys: ['K'], run: () => store.set({ sketching: !store.state.sketching }) },
       { id: 'theme', label: 'Light or dark', group: 'Page', keys: [], run: verbs.theme },
       { id: 'escape', label: 'Give up what is under way, or the tool', group: 'Page', keys: ['Escape'], run: () => {
         const { busy } = toolbox;

@@ -25,7 +25,8 @@ const pressing = 'button, a, input, summary, [role=slider], [role=tab], [role=me
 /** Listens to the whole page; keys typed into fields, and those a focused control uses itself, stay theirs. */
 export function installKeyboard(app: App, commands: Commands): void {
   document.addEventListener('keydown', (event) => {
-    if (event.defaultPrevented) return;
+    // A dialog lets none through, also where Tab has left it for the browser's own buttons.
+    if (event.defaultPrevented || document.querySelector('dialog[open]')) return;
     const target = event.target as Element;
     if (target.matches(typing) && !(event.ctrlKey && event.key.toLowerCase() === 's')) return;
     if ((event.key === ' ' || event.key === 'Enter' || event.key.startsWith('Arrow'))

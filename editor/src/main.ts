@@ -6,7 +6,7 @@ import { Connection } from './connection';
 import { Model } from './model';
 import { installAskedColours } from './asked';
 import { buildPage } from './panels/page';
-import type { BodyState, DocumentEvent, Hello, JobEvent, ViewState } from './protocol';
+import type { BodyState, DocumentEvent, Hello, JobEvent, SurfacesEvent, ViewState } from './protocol';
 import { sentence } from './sentences';
 import { Store } from './store';
 import { installFieldView } from './fieldview';
@@ -17,6 +17,8 @@ import { faceTool, fillTool } from './tools/paint';
 import { pasteTool, scaleTool } from './tools/place';
 import { planeTool } from './tools/plane';
 import { selectTool } from './tools/select';
+import { eraseSurfaceTool, paintSurfaceTool } from './tools/surface';
+import { installSurfaceView } from './surfaceview';
 import { Toolbox } from './tools/toolbox';
 import { Messages } from './ui/dialog';
 import { Viewport } from './view/viewport';
@@ -74,6 +76,12 @@ function showStale(bodies: BodyState[]): void {
   viewport.stale(new Set(bodies.flatMap((body, i) => (body.shown ? [] : [i]))));
 }
 
+function takeSurfaces(event: SurfacesEvent): void {
+  viewport.listSurfaces(event);
+  const why = event.bodies.find((body) => body.why)?.why;
+  store.set({ surfacesWhy: why ? sentence(why) : null, serial: store.state.serial + 1 });
+}
+
 function takeJob(event: JobEvent): void {
   const others = store.state.jobs.filter((job) => job.job !== event.job && (job.state === 'waiting' || job.state === 'running'));
   store.set({ jobs: [...others, event] });
@@ -95,6 +103,7 @@ connection.onEvent = (event) => {
   if (event.event === 'document') takeDocument(event);
   else if (event.event === 'job') takeJob(event);
   else if (event.event === 'bodies') takeBodies(event);
+  else if (event.event === 'surfaces') takeSurfaces(event);
   else if (event.event === 'automatic') store.set({ automatic: event.on });
   else if (event.event === 'note') actions.complain(event.message);
 };
@@ -111,15 +120,17 @@ viewport.onView.push(() => {
 });
 store.on(['apart'], () => viewport.arrange(together, together * store.state.apart * 0.5 * viewport.diagonal));
 store.on(['part'], () => viewport.pick(store.state.part));
-store.on(['mode'], () => viewport.look({ mode: { solid: 0, volume: 0, depth: 1, shape: 2 }[store.state.mode] }));
+store.on(['mode'], () => viewport.look({ mode: { solid: 0, volume: 0, surfaces: 0, depth: 1, shape: 2 }[store.state.mode] }));
 store.on(['isolines'], () => viewport.look({ isolines: store.state.isolines }));
 
 toolbox.add(selectTool(app), cutTool(app), planeTool(app), fillTool(app), faceTool(app), depthTool(app), pointsTool(app),
-            directionTool(app), scaleTool(app), pasteTool(app));
-const commands = buildPage(app);
+            directionTool(app), scaleTool(app), pasteTool(app),
+            paintSurfaceTool(app), eraseSurfaceTool(app));
+const { commands, sketch } = buildPage(app);
 installFieldView(app);
+installSurfaceView(app);
 installMarks(app);
 installVolumeView(app);
 const asked = installAskedColours(app);
 toolbox.enter();
-(globalThis as any).pith = Object.assign(app, { commands, asked }); // for tests, benchmarks, and the curious
+(globalThis as any).pith = Object.assign(app, { commands, asked, sketch }); // for tests, benchmarks, and the curious

@@ -62,7 +62,16 @@ export interface JobEvent {
   notes?: string;
 }
 
+/** Which surfaces there are: the keys of their packets, in the document's order, and why they are not what the document
+    says. */
+export interface SurfacesEvent {
+  event: 'surfaces';
+  revision: number;
+  bodies: { name: string; surfaces: string[]; why: string | null }[];
+}
+
 export type ServerEvent =
+  SurfacesEvent |
   DocumentEvent | JobEvent | { event: 'automatic'; on: boolean } | { event: 'note'; message: string } |
   { event: 'bodies'; revision: number; bodies: BodyState[]; view?: ViewState };
 

@@ -53,6 +53,10 @@ function resolve(root: Json, node: Json, value: any): Json {
       .reduce((at: any, step) => at?.[step], root) as Json;
     found = { ...definition, ...node, about: definition.description };
   }
+  if (found.if) {                   // a body like another has other keys than one of its own
+    const holds = (found.if.required as string[]).every((key) => value?.[key] !== undefined);
+    return resolve(root, (holds ? found.then : found.else) as Json, value);
+  }
   const kinds = (found.oneOf as Json[] | undefined)?.map((each) => resolve(root, each, value))
     .filter((each) => each.properties);
   if (!found.properties && kinds?.length) {

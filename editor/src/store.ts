@@ -3,8 +3,9 @@
 
 import type { BodyState, Functions, Json, JobEvent, TypeNeeds } from './protocol';
 
-export type ToolName = 'select' | 'cut' | 'plane' | 'fill' | 'face' | 'depth' | 'points' | 'direction' | 'scale' | 'paste';
-export type ViewMode = 'solid' | 'depth' | 'shape' | 'volume';
+export type ToolName = 'select' | 'cut' | 'plane' | 'fill' | 'face' | 'depth' | 'points' | 'direction' | 'scale' | 'paste'
+  | 'paint-surface' | 'erase-surface';
+export type ViewMode = 'solid' | 'depth' | 'shape' | 'volume' | 'surfaces';
 
 export interface State {
   connection: 'connecting' | 'open' | 'lost' | 'gone' | 'refused';
@@ -44,11 +45,24 @@ export interface State {
   apart: number;                    // how far parts are pulled apart for looking, 0..1
   size: number;                     // of the exemplar that scale and paste place, model units; 0: not chosen yet
   pasting: Json | null;             // the exemplar that is pasted, as a document writes it
+  selectedSurface: string | null;   // name of the surface, of the body that tools work on, that curves and tools work on
+  shownSurfaces: { [name: string]: boolean }; // false: hidden in three dimensions; those not in it are shown
+  skin: number;                     // opacity of the body's skin about its surfaces, 0..1
+  paintWhat: 'colour' | 'blur';     // of surfaces
+  paintColour: string;              // '#rrggbb', as documents write colours
+  recentColours: string[];          // those painted last, the newest first
+  paintBlur: number;                // model units
+  paintRadius: number;              // of the brush, model units; 0: not chosen yet
+  paintSide: 'both' | 'front' | 'back';
+  paintRepeat: 'once' | 'folds' | 'around';
+  eraseSide: 'click' | 'right' | 'left'; // what of a surface goes: what is clicked, or a side of the stroke
+  surfacesWhy: string | null;       // why the surfaces shown are not what the document says
   keep: 'both' | 'positive' | 'negative'; // of cuts that are drawn
   separate: boolean;                // the same
   chosenCut: number | null;         // the row that Delete takes away
   pointed: string | null;           // the row of a list under the pointer: 'depth 2', 'direction 0', 'scale 1', 'paste 0'
-  tab: 'inside' | 'fields' | 'cuts' | 'look';
+  sketching: boolean;               // are the panes open?
+  tab: 'inside' | 'fields' | 'sketch' | 'cuts' | 'look';
   inspector: boolean;               // is it open?
   clip: boolean;                    // is the clip plane shown?
   theme: 'dark' | 'light';
@@ -61,8 +75,10 @@ export const initial: State = {
   revision: 0, document: {}, name: '', undo: [], redo: [], saved: true, recovered: false, bodies: [], viewWhy: null, automatic: true,
   jobs: [],
   tool: 'select', mode: 'solid', body: 0, part: null, paint: 0, erase: false, palette: [0, 0.25, 0.5, 0.75, 1],
-  crease: 30, layer: null, isolines: true, lines: 'none', linesOf: '', apart: 0, size: 0, pasting: null, keep: 'positive',
-  separate: false, chosenCut: null, pointed: null, tab: 'inside', inspector: true, clip: false, theme: 'dark', hint: '', serial: 0,
+  crease: 30, layer: null, isolines: true, lines: 'none', linesOf: '', apart: 0, size: 0, pasting: null,
+  selectedSurface: null, shownSurfaces: {}, skin: 0.25, paintWhat: 'colour', paintColour: '#c83c28', recentColours: [],
+  paintBlur: 0, paintRadius: 0, paintSide: 'both', paintRepeat: 'once', eraseSide: 'click', surfacesWhy: null, keep: 'positive',
+  separate: false, chosenCut: null, pointed: null, sketching: false, tab: 'inside', inspector: true, clip: false, theme: 'dark', hint: '', serial: 0,
 };
 
 type Key = keyof State;
@@ -129,4 +145,24 @@ export function solidOf(state: State, index = state.body): { json: Json; place: 
   if (solids.length === 0) return null;
   const at = Math.max(0, solids.findIndex((solid) => solid.name === body.solid));
   return { json: solids[at], place: `${bodyPlace(state, index)}solids[${at}]` };
+}
+
+/** The surfaces of the body, as the document has them. */
+export function surfacesOf(state: State, index = state.body): Json[] { return (bodyJson(state, index).surfaces ?? []) as Json[]; }
+
+/** The surface that is chosen, and its place in the document; null when there is none. */
+export function chosenSurface(state: State): { json: Json; place: string; index: number } | null {
+  const index = surfacesOf(state).findIndex((surface) => surface.name === state.selectedSurface);
+  return index < 0 ? null : { json: surfacesOf(state)[index], place: `${bodyPlace(state)}surfaces[${index}]`, index };
+}
+
+/** Does a surface bound its body? Then it is the body's skin. */
+export function boundsBody(state: State, body: number, name: string): boolean {
+  const bounds = (bodyJson(state, body).shape?.surfaces ?? []) as string[];
+  return bounds.includes(name) || surfacesOf(state, body).some((each) => each.name === name && each.kind === 'body');
+}
+
+/** Is the body's skin one of its surfaces? */
+export function isBounded(state: State, body: number): boolean {
+  return surfacesOf(state, body).some(({ name }) => boundsBody(state, body, name));
 }

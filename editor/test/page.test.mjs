@@ -107,7 +107,7 @@ describe('the page', { timeout: 600000 }, () => {
     await eventually('it was undone', () => fake.document.solids[0].blend === undefined);
     await settle(page);
     assert.equal(await page.locator(key('solids[0].blend=average')).getAttribute('aria-checked'), 'true');
-    await page.locator('canvas').first().focus();
+    await page.locator('.viewport canvas').first().focus();
     await page.keyboard.press('Control+Shift+Z');
     await eventually('it was redone', () => fake.document.solids[0].blend === 'variance');
     await page.keyboard.press('Control+z');
@@ -268,7 +268,7 @@ describe('the page', { timeout: 600000 }, () => {
     await page.locator(key('eye 1')).click();
     await eventually('a part was hidden', () => fake.document.parts?.[0].hidden);
     await eventually('the page has seen it', () => page.evaluate(() => globalThis.pith.model.parts.some((part) => part.hidden)));
-    await page.locator('canvas').first().focus();
+    await page.locator('.viewport canvas').first().focus();
     await page.keyboard.press('Alt+h');
     await eventually('it is shown again', () => !fake.document.parts[0].hidden);
     await page.keyboard.press('Delete');
@@ -346,7 +346,7 @@ describe('the page', { timeout: 600000 }, () => {
     await page.keyboard.press('Control+z');
     await eventually('it was undone', () => !fake.document.solids[0].blend);
     await settle(page);
-    await page.locator('canvas').first().focus();
+    await page.locator('.viewport canvas').first().focus();
     await page.keyboard.press('Alt+h');
     await page.locator('.message', { hasText: 'Nothing is hidden.' }).waitFor();
     await page.keyboard.press('Control+Shift+Z');
@@ -418,7 +418,7 @@ describe('the page', { timeout: 600000 }, () => {
     await message.locator('button').focus();
     await page.clock.runFor(20000);
     assert.equal(await message.count(), 1, 'it stays while it has the focus');
-    await page.locator('canvas').first().focus();
+    await page.locator('.viewport canvas').first().focus();
     await page.clock.runFor(20000);
     assert.equal(await message.count(), 0);
   });

@@ -176,6 +176,9 @@ pith_status pith_model_exemplar(pith_model *model, const pith_grid **exemplar, p
 /** The surfaces that the body's "surfaces" describe, in their order, where they stand. */
 pith_status pith_model_surfaces(pith_model *model, const pith_diffusion_surface **surfaces, size_t *count,
                                 pith_error *err);
+/** The index-th of them where it was drawn, before variation and "place": what brushes and strokes are about. Vertex i of
+ *  the one is vertex i of the other; of grains it is the form of one, whose vertices the surface has over and over. */
+pith_status pith_model_surface_drawn(pith_model *model, size_t index, pith_mesh_view *drawn, pith_error *err);
 /** The diffusion that the body's solid asks, and how; PITH_BAD_DOCUMENT when it is of another kind. */
 pith_status pith_model_diffusion(pith_model *model, const pith_diffusion **diffusion,
                                  const pith_diffusion_options **options, pith_error *err);

@@ -7,7 +7,7 @@
 
 static const char *const template_names[] = { "kiwi", "carrot", "tree", "watermelon", "sponge", "tube", "muscle",
                                               "flattened", "bricks", "strata", "cake", "wood", "granite", "marble", "bubbles",
-                                              NULL };
+                                              "sketch", NULL };
 
 /* ---- JSON files -------------------------------------------------------------------------------------------------- */
 

@@ -9,7 +9,9 @@
 /* A surface on its way. The drawn mesh is where it was drawn, and the other where it stands after variation; vertex i of
    the one is vertex i of the other. */
 typedef struct made_surface {
+    char *name;                     /* the document that says it may go before this does */
     pith_mesh *drawn, *mesh;
+    pith_mesh *grain;               /* of grains: the one that stands in the mesh so often; else NULL */
     float (*front)[4], (*back)[4];  /* [vertex_count]; back is NULL when the surface has one colour */
     double *blur;                   /* [vertex_count], or NULL */
     bool hide_front, hide_back;     /* a file says so */
@@ -23,8 +25,10 @@ struct body_surfaces {
 
 static void surface_clear(made_surface *gone)
 {
+    pith_free(gone->name);
     if (gone->mesh != gone->drawn) pith_mesh_destroy(gone->mesh);
     pith_mesh_destroy(gone->drawn);
+    pith_mesh_destroy(gone->grain);
     pith_free(gone->front);
     pith_free(gone->back);
     pith_free(gone->blur);
@@ -277,13 +281,10 @@ static pith_status colour_surface(const document_body *body, const document_surf
 static pith_status make_grains(const document_body *body, const document_surface *from, const made_surface *on,
                                made_surface *to, pith_error *err)
 {
-    pith_mesh *grain = NULL;
     size_t copies = 0;
-    PITH_TRY(pith_grain_surface(&from->profile, &from->outline, from->grain.across, from->grain.along, &grain, err));
-    pith_status status = strew_grains(body, from, on, grain, to, &copies, err);
-    if (status == PITH_OK) status = colour_surface(body, from, grain, NULL, copies, to, err);
-    pith_mesh_destroy(grain);
-    return status;
+    PITH_TRY(pith_grain_surface(&from->profile, &from->outline, from->grain.across, from->grain.along, &to->grain, err));
+    PITH_TRY(strew_grains(body, from, on, to->grain, to, &copies, err));
+    return colour_surface(body, from, to->grain, NULL, copies, to, err);
 }
 
 /* The file's surface that is meant. */
@@ -333,6 +334,10 @@ static pith_status make_surface(pith_model *model, const document_surface *from,
                                 const made_surface *before, made_surface *to, pith_error *err)
 {
     const document_body *body = model->body;
+    const size_t length = strlen(from->name);
+    to->name = pith_alloc(length + 1, 1);
+    if (!to->name) return PITH_OUT_OF_MEMORY(err, "a surface");
+    memcpy(to->name, from->name, length);
     switch (from->kind) {
     case SURFACE_AROUND:
     case SURFACE_CHAMBERS: PITH_TRY(draw_feature(body, from, varied, to, err)); break;
@@ -402,7 +407,7 @@ static void look_at_surfaces(const document_body *body, body_surfaces *made)
         const document_surface *from = &body->surfaces[i];
         const made_surface *at = &made->items[i];
         made->views[i] = (pith_diffusion_surface){
-            .name = from->name, .mesh = pith_mesh_look(at->mesh),
+            .name = at->name, .mesh = pith_mesh_look(at->mesh),
             .front = (const float(*)[4])at->front, .back = (const float(*)[4])at->back, .blur = at->blur,
             .hide_front = at->hide_front || from->look.hide == HIDE_FRONT,
             .hide_back = at->hide_back || from->look.hide == HIDE_BACK,
@@ -434,6 +439,17 @@ pith_status pith_model_surfaces(pith_model *model, const pith_diffusion_surface 
     }
     if (surfaces) *surfaces = model->surfaces->views;
     if (count) *count = wanted;
+    return PITH_OK;
+}
+
+pith_status pith_model_surface_drawn(pith_model *model, size_t index, pith_mesh_view *drawn, pith_error *err)
+{
+    size_t count = 0;
+    PITH_TRY(pith_model_surfaces(model, NULL, &count, err));
+    if (index >= count)
+        return pith_fail(err, PITH_BAD_ARGUMENT, "surface %zu is asked for, but the body has %zu", index, count);
+    const made_surface *at = &model->surfaces->items[index];
+    *drawn = pith_mesh_look(at->grain ? at->grain : at->drawn);
     return PITH_OK;
 }
 

@@ -200,10 +200,11 @@ static uint64_t hash_turned(const document_turned *turned, uint64_t hash)
     return hash_options(&document_turned_params, &turned->options, hash);
 }
 
-/* Of the surfaces but for the body's own, on which they may lie; without any it is nothing that matters. */
-static pith_status hash_surfaces(const document_body *body, uint64_t *hash, pith_error *err)
+/* Of the surfaces but for the body's own, on which they may lie; without any it is nothing that matters. said: what the
+   document says of them, with their colours or without. */
+static pith_status hash_surfaces(const document_body *body, uint64_t said, uint64_t *hash, pith_error *err)
 {
-    *hash = pith_hash_bytes(&body->sketch.hash, sizeof body->sketch.hash, *hash);
+    *hash = pith_hash_bytes(&said, sizeof said, *hash);
     if (body->placed) *hash = hash_options(&pith_placement_params, &body->placement, *hash);
     for (size_t i = 0; i < body->surface_count; ++i)
         if (body->surfaces[i].file) PITH_TRY(hash_file(body->surfaces[i].file, hash, err));
@@ -316,9 +317,10 @@ pith_status stage_keys_of(const document_body *body, stage_keys *keys, pith_erro
     stage_keys made;
     const uint64_t start = pith_mix64(STAGE_VERSION);
     made.mesh = made.exemplar = made.patches = made.surfaces = start;
-    PITH_TRY(hash_surfaces(body, &made.surfaces, err));
+    PITH_TRY(hash_surfaces(body, body->sketch.hash, &made.surfaces, err));
     if (body->shape == SHAPE_SURFACES) {
-        made.mesh = pith_hash_bytes(body->bounds, body->bound_count * sizeof *body->bounds, made.surfaces);
+        PITH_TRY(hash_surfaces(body, body->sketch.form_hash, &made.mesh, err));
+        made.mesh = pith_hash_bytes(body->bounds, body->bound_count * sizeof *body->bounds, made.mesh);
     } else {
         PITH_TRY(hash_form(body, &made.mesh, err));
         made.surfaces = pith_hash_bytes(&made.mesh, sizeof made.mesh, made.surfaces);

@@ -273,19 +273,32 @@ static pith_status check_bounds(pith_document *made, reader *in, const json_t *n
     return PITH_OK;
 }
 
-/* Pictures that curves are drawn over do not count. */
-static pith_status hash_sketch(const json_t *sketch, const json_t *surfaces, uint64_t *hash, pith_error *err)
+static pith_status hash_json(const json_t *all, uint64_t *hash, pith_error *err)
 {
-    json_t *all = json_pack("{so* sO*}", "sketch", json_copy((json_t *)sketch), "surfaces", surfaces);
-    json_t *drawn = json_object_get(all, "sketch");
-    if (drawn) json_object_del(drawn, "vertical");
-    if (drawn) json_object_del(drawn, "horizontal");
     char *text = all ? json_dumps(all, JSON_SORT_KEYS | JSON_COMPACT) : NULL;
-    json_decref(all);
     if (!text) return PITH_OUT_OF_MEMORY(err, "surfaces");
     *hash = pith_hash_bytes(text, strlen(text), 0);
     free(text);
     return PITH_OK;
+}
+
+/* Pictures that curves are drawn over do not count. */
+static pith_status hash_sketch(const json_t *sketch, const json_t *surfaces, document_sketch *to, pith_error *err)
+{
+    json_t *all = json_pack("{so* so*}", "sketch", json_copy((json_t *)sketch), "surfaces", json_array());
+    json_t *drawn = json_object_get(all, "sketch"), *list = json_object_get(all, "surfaces");
+    if (drawn) json_object_del(drawn, "vertical");
+    if (drawn) json_object_del(drawn, "horizontal");
+    for (size_t i = 0; list && i < json_array_size(surfaces); ++i)
+        if (json_array_append_new(list, json_copy(json_array_get(surfaces, i))) != 0) list = NULL;
+    pith_status status = hash_json(list ? all : NULL, &to->hash, err);
+    for (size_t i = 0; list && i < json_array_size(list); ++i) {
+        json_object_del(json_array_get(list, i), "colours");
+        json_object_del(json_array_get(list, i), "paint");
+    }
+    if (status == PITH_OK) status = hash_json(all, &to->form_hash, err);
+    json_decref(all);
+    return status;
 }
 
 pith_status surfaces_build(pith_document *made, reader *in, const json_t *from, document_body *to)
@@ -293,7 +306,7 @@ pith_status surfaces_build(pith_document *made, reader *in, const json_t *from, 
     const json_t *sketch = json_object_get(from, "sketch"), *list = json_object_get(from, "surfaces");
     const json_t *variation = json_object_get(sketch, "variation");
     const size_t count = json_array_size(list);
-    PITH_TRY(hash_sketch(sketch, list, &to->sketch.hash, in->err));
+    PITH_TRY(hash_sketch(sketch, list, &to->sketch, in->err));
     json_options(sketch, &pith_sketch_params, &to->sketch.drawn);
     to->sketch.varied = variation != NULL;
     json_options(variation, &pith_variation_params, &to->sketch.variation);

@@ -97,7 +97,7 @@ static const argument of_colours[] = {
     { "light", ARGUMENT_POINT, false, 0, 0, NULL },
     NO_MORE,
 };
-static const argument of_recipe[] = {
+static const argument of_path[] = {
     { "path", ARGUMENT_TEXT, true, 0, 0, NULL },
     NO_MORE,
 };
@@ -118,9 +118,10 @@ const verb editor_verbs[] = {
     { "exemplar", false, of_exemplar, false, do_exemplar },
     { "node", false, of_node, false, do_node },
     { "colours", true, of_colours, false, do_colours },
-    { "recipe", false, of_recipe, false, do_recipe },
+    { "recipe", false, of_path, false, do_recipe },
     { "files", false, of_files, false, do_files },
     { "file.put", true, of_file_put, false, do_file_put },
+    { "image", false, of_path, false, do_image },
     { "picture", false, of_picture, true, do_picture },
     { NULL, false, NULL, false, NULL },
 };
@@ -199,6 +200,7 @@ static pith_status start(editor *own, const char *path, pith_error *err)
     const builder_calls calls = { model_arrived, something_came_up, own };
     PITH_TRY(session_open(path, &own->opened, err));
     PITH_TRY(viewer_create(session_path(own->opened), own->out, something_came_up, own, &own->view, err));
+    PITH_TRY(surfacer_create(session_path(own->opened), own->out, &own->surfaces, err));
     PITH_TRY(errands_create(session_path(own->opened), own->out, &own->errands, err));
     PITH_TRY(builder_create(session_path(own->opened), own->out, own->cache, &calls, &own->build, err));
     build_document_changed(own);
@@ -230,6 +232,7 @@ void editor_close(editor *own)
     if (!own) return;
     builder_destroy(own->build);
     viewer_destroy(own->view);
+    surfacer_destroy(own->surfaces);
     errands_destroy(own->errands);
     session_close(own->opened);
     json_decref(own->schema);

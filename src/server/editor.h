@@ -12,6 +12,7 @@
 #include "outbox.h"
 #include "request.h"
 #include "session.h"
+#include "surfacer.h"
 #include "viewer.h"
 
 typedef struct editor_options {
@@ -28,6 +29,7 @@ struct editor {
     json_t *schema;             /* of documents; NULL until a page asks */
     builder *build;
     viewer *view;
+    surfacer *surfaces;
     errands *errands;
     void (*wake)(void *user);   /* makes the sockets' thread call editor_woken */
     void *wake_user;
@@ -72,7 +74,7 @@ pith_status do_revert(editor *own, request *asked, pith_error *err);
 pith_status do_update(editor *own, request *asked, pith_error *err);
 pith_status do_cancel(editor *own, request *asked, pith_error *err);
 pith_status do_automatic(editor *own, request *asked, pith_error *err);
-/* The present document is another: the viewer is told. */
+/* The present document is another: those who show it are told. */
 void build_document_changed(editor *own);
 /* The viewer or the builder has news: pages are told what is known of the bodies, and what the present document calls
    for is built, where that is to happen by itself. */
@@ -86,6 +88,7 @@ void build_told(editor *own, const json_t *event);
 
 pith_status do_files(editor *own, request *asked, pith_error *err);
 pith_status do_file_put(editor *own, request *asked, pith_error *err);
+pith_status do_image(editor *own, request *asked, pith_error *err);
 
 /* ---- looking: requests_look.c ------------------------------------------------------------------------------------ */
 

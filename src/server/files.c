@@ -85,7 +85,7 @@ static const struct { const char *kind, *extensions[8]; } kinds[] = {
     { "recipe", { "json" } },
 };
 
-static bool has_kind(const char *name, const char *kind)
+bool files_has_kind(const char *name, const char *kind)
 {
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; ++i)
         for (size_t k = 0; strcmp(kinds[i].kind, kind) == 0 && kinds[i].extensions[k]; ++k)
@@ -124,7 +124,7 @@ static void list_folder(lister *to, char *folder, int depth)
             if (entry->d_type == DT_DIR && depth < DEEPEST) {
                 strcat(folder, "/");
                 list_folder(to, folder, depth + 1);
-            } else if (entry->d_type == DT_REG && has_kind(entry->d_name, to->kind) &&
+            } else if (entry->d_type == DT_REG && files_has_kind(entry->d_name, to->kind) &&
                        (strcmp(to->kind, "recipe") != 0 || looks_like_recipe(folder))) {
                 json_array_append_new(to->list, json_pack("{ss ss sb}", "path", folder + to->root, "name",
                                                           entry->d_name, "shipped", to->shipped));
@@ -179,7 +179,7 @@ static pith_status check_name(const char *key, const char *name, pith_error *err
     if (!is_name(name, strlen(name)))
         return pith_fail(err, PITH_BAD_ARGUMENT, "%s: the name is \"%.120s\", %s", key, name, expected_name);
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; ++i)
-        if (has_kind(name, kinds[i].kind)) return PITH_OK;
+        if (files_has_kind(name, kinds[i].kind)) return PITH_OK;
     return pith_fail(err, PITH_BAD_ARGUMENT,
                      "%s: %s has no extension that pith reads (obj, ply, stl, off, glb, nrrd, nhdr, png, jpg, json, "
                      "pith)", key, name);

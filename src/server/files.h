@@ -20,6 +20,9 @@ bool files_beyond(const file_places *places, const char *path);
    PITH_BAD_ARGUMENT names it. Asked before anything opens what a page named. */
 pith_status files_check(const file_places *places, const json_t *value, const json_t *known, pith_error *err);
 
+/* Has the name an extension of this kind of files? */
+bool files_has_kind(const char *name, const char *kind);
+
 /* {"path", "name", "shipped"} of every file within reach of this kind ("recipe", "mesh", "grid", "image", "document"),
    sorted; at most 2000. A new reference. */
 json_t *files_list(const file_places *places, const char *kind);

@@ -2,6 +2,7 @@
  *
  *  pack_mesh.c    the cleaned mesh of a body and its paint
  *  pack_solid.c   what a solid's surface is composed from: masks, patches, exemplars; voxels of other kinds
+ *  pack_surface.c surfaces that colours flow between
  *  pack_view.c    the shells of all parts: positions, normals, depths, faces
  *  pack_layers.c  the patches on every triangle of a view, as the graphics card reads them */
 #ifndef PITH_SERVER_PACK_INTERNAL_H

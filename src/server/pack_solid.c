@@ -154,8 +154,8 @@ static pith_status put_lapped(packet_maker *maker, const pith_model *body, const
 /* ---- other kinds ------------------------------------------------------------------------------------------------- */
 
 /* Along the longest side; 8 MB at most. They are what is seen while the view moves: when it rests pages ask for colours
-   point by point, which no number of voxels would give. */
-enum { VOXELS = 128 };
+   point by point, which no number of voxels would give. FEW: of solids that answer slowly, some 50 000 of them. */
+enum { VOXELS = 128, FEW = 48 };
 
 /* Voxels outside the body are empty, and a surface between would look dark: those beside full ones take their mean. */
 static void widen(uint8_t (*cells)[4], const uint32_t size[3])
@@ -183,14 +183,34 @@ static void widen(uint8_t (*cells)[4], const uint32_t size[3])
     }
 }
 
+/* Solids that answer slowly, as they are asked for voxels: of diffusion few rays are followed. NULL of others. */
+static pith_status make_draft(pith_model *body, const pith_solid *solid, pith_solid **draft, pith_error *err)
+{
+    enum { ROUGH = 32 };
+    const pith_diffusion *diffusion;
+    const pith_diffusion_options *options;
+    *draft = NULL;
+    if (strcmp(pith_solid_kind(solid), "diffusion") != 0) return PITH_OK;
+    PITH_TRY(pith_model_diffusion(body, &diffusion, &options, err));
+    pith_diffusion_options rough = *options;
+    rough.method = PITH_DIFFUSION_PMVC;
+    rough.rays = rough.rays < ROUGH ? rough.rays : ROUGH;
+    return pith_solid_diffusion(diffusion, &rough, draft, err);
+}
+
 static pith_status put_voxels(packet_maker *maker, pith_model *body, const pith_solid *solid, pith_error *err)
 {
     const pith_tets *tets;
     const pith_locator *locator;
     pith_grid *grid = NULL;
+    pith_solid *draft = NULL;
     PITH_TRY(pith_model_tets(body, &tets, NULL, err));
     PITH_TRY(pith_model_locator(body, &locator, err));
-    PITH_TRY(pith_bake_voxels(solid, tets, locator, VOXELS, NULL, &grid, err));
+    PITH_TRY(make_draft(body, solid, &draft, err));
+    const bool slow = draft || strcmp(pith_solid_kind(solid), "combined") == 0;
+    const pith_status status = pith_bake_voxels(draft ? draft : solid, tets, locator, slow ? FEW : VOXELS, NULL, &grid, err);
+    pith_solid_destroy(draft);
+    PITH_TRY(status);
     const size_t cells = (size_t)grid->size[0] * grid->size[1] * grid->size[2];
     uint8_t(*bytes)[4] = packet_room(maker, "voxels", PACKET_U8, cells * 4);
     if (bytes) {

@@ -71,6 +71,7 @@ static void tell_bodies(editor *own)
 void build_document_changed(editor *own)
 {
     viewer_document(own->view, session_present(own->opened), session_revision(own->opened));
+    surfacer_document(own->surfaces, session_present(own->opened), session_revision(own->opened));
 }
 
 /* Is there anything that the present document describes and that is not built? */

@@ -117,6 +117,7 @@ pith_status do_hello(editor *own, request *asked, pith_error *err)
     json_object_set_new(to, "templates", templates(own));
     describe(own, to);
     viewer_hello(own->view, asked->socket);
+    surfacer_hello(own->surfaces, asked->socket);
     return PITH_OK;
 }
 

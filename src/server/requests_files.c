@@ -21,3 +21,37 @@ pith_status do_file_put(editor *own, request *asked, pith_error *err)
     json_object_set_new(asked->answer, "path", json_string(name));
     return PITH_OK;
 }
+
+/* The file as it is: pages read PNG and JPEG themselves. */
+pith_status do_image(editor *own, request *asked, pith_error *err)
+{
+    const char *path = request_text(asked, "path", "");
+    const file_places places = editor_places(own);
+    if (!files_has_kind(path, "image"))
+        return pith_fail(err, PITH_BAD_ARGUMENT, "path: %.300s is no picture, expected a .png, .jpg or .jpeg", path);
+    json_t *wanted = json_string(path);
+    pith_status status = files_check(&places, wanted, session_present(own->opened)->root, err);
+    json_decref(wanted);
+    if (status != PITH_OK) return status;
+
+    unsigned char *bytes = NULL;
+    size_t size;
+    char *whole = pith_path_join(session_path(own->opened), path);
+    if (!whole) return PITH_OUT_OF_MEMORY(err, "a path");
+    status = pith_file_read(whole, &bytes, &size, err);
+    pith_free(whole);
+    if (status != PITH_OK) return status;
+    packet *made = NULL;
+    packet_maker *maker = packet_begin("image");
+    if (!maker) {
+        pith_free(bytes);
+        return PITH_OUT_OF_MEMORY(err, "a picture");
+    }
+    json_object_set_new(packet_text(maker), "id", json_integer(asked->id));
+    json_object_set_new(packet_text(maker), "path", json_string(path));
+    packet_give(maker, "bytes", PACKET_U8, bytes, size);
+    PITH_TRY(packet_finish(maker, &made, err));
+    outbox_put(own->out, asked->socket, made);
+    asked->later = true;
+    return PITH_OK;
+}

@@ -397,6 +397,40 @@ static void test_recipes_are_read_with_their_photographs_moved(void **state)
     desk_close(at);
 }
 
+static void test_pictures_are_sent_as_they_are(void **state)
+{
+    (void)state;
+    pith_error err;
+    pith_image *image = NULL;
+    unsigned char *bytes = NULL;
+    size_t size, sent = 0;
+    const void *values = NULL;
+    CHECK_OK(pith_image_create(5, 3, 3, &image, &err));
+    CHECK_OK(pith_image_write(image, in_folder("across.png"), 90, &err));
+    pith_image_destroy(image);
+    CHECK_OK(pith_file_read(in_folder("across.png"), &bytes, &size, &err));
+    desk *at = desk_open(false, false);
+    const json_t *answer = ASK(at, "\"do\": \"image\", \"path\": \"across.png\"");
+    assert_string_equal(text_of(answer, "kind"), "image");
+    size_t length, i = 0;
+    while (at->heard[i].text != answer) ++i;
+    packet_view view;
+    const unsigned char *whole = packet_bytes(at->heard[i].content, &length);
+    CHECK_OK(packet_read(whole, length, &view, &err));
+    CHECK_OK(packet_view_array(&view, "bytes", PACKET_U8, &values, &sent, &err));
+    assert_int_equal(sent, size);
+    assert_memory_equal(values, bytes, size);
+    packet_view_end(&view);
+    pith_free(bytes);
+    REFUSED(at, "bad argument", "no picture", "\"do\": \"image\", \"path\": \"a.pith\"");
+    REFUSED(at, "input/output error", "none.png", "\"do\": \"image\", \"path\": \"none.png\"");
+    REFUSED(at, "bad argument", "path", "\"do\": \"image\"");
+    CHECK_OK(pith_file_write("/tmp/pith-outside.jpg", "x", 1, &err));
+    REFUSED(at, "bad argument", "copy it there first", "\"do\": \"image\", \"path\": \"/tmp/pith-outside.jpg\"");
+    remove("/tmp/pith-outside.jpg");
+    desk_close(at);
+}
+
 int main(void)
 {
 #define TEST(name) cmocka_unit_test_setup(name, fresh_document)
@@ -414,6 +448,7 @@ int main(void)
         TEST(test_files_are_listed_by_kind),
         TEST(test_operations_name_files_within_reach_only),
         TEST(test_recipes_are_read_with_their_photographs_moved),
+        TEST(test_pictures_are_sent_as_they_are),
     };
     return cmocka_run_group_tests(tests, make_folder, drop_folder);
 }

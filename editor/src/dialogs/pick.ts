@@ -11,6 +11,7 @@ interface Shown { path: string; name: string; shipped: boolean }
 
 const kinds = {
   image: { title: 'Picture', accept: '.png,.jpg,.jpeg', words: 'a picture (.png, .jpg)' },
+  mesh: { title: 'Mesh', accept: '.glb,.ply,.obj,.stl,.off', words: 'a mesh (.glb, .ply, .obj, .stl, .off)' },
   grid: { title: 'Voxels', accept: '.nrrd', words: 'voxels (.nrrd)' },
 };
 

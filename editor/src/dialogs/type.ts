@@ -29,6 +29,9 @@ export function typeDialog(app: App): void {
   const grid = h('div', { class: 'type-cards', role: 'radiogroup', 'aria-label': 'Texture type' }, cards);
   const computed = computedTable.map((each) => computedCard(each, () => { chosen = each.name; refresh(); }));
   const computedGrid = h('div', { class: 'type-cards', role: 'radiogroup', 'aria-label': 'Computed texture' }, computed);
+  const sketched = h('p', { class: 'type-sketched' }, h('span', null, 'Colours that flow between surfaces, which are drawn on a picture of the ' +
+    'thing cut along its axis and one of it cut across.'), button('Open the sketch', () => { close(); app.store.set({ sketching: true }); },
+  { icon: 'sketch', key: 'type sketch' }));
   grid.addEventListener('keydown', (event) => rove(event, cards));
   computedGrid.addEventListener('keydown', (event) => rove(event, computed));
 
@@ -97,7 +100,7 @@ export function typeDialog(app: App): void {
 
   const close = openDialog({
     title: `Texture type${body}`, about: 'What the inside follows. Everything can be changed later.', class: 'wide',
-    body: [grid, h('h3', { class: 'type-group' }, 'Computed'), computedGrid, note], actions: [button('Cancel', () => close()), act],
+    body: [grid, h('h3', { class: 'type-group' }, 'Computed'), computedGrid, h('h3', { class: 'type-group' }, 'Sketched'), sketched, note], actions: [button('Cancel', () => close()), act],
   });
   refresh();
   (computedOf(chosen) ? computed : cards).find((each) => each.tabIndex === 0)?.focus();

@@ -43,7 +43,8 @@ function nothingNeeded({ app }: Context): HTMLElement {
   live(app.store, host, ['document', 'body', 'types'], (state) => {
     const solid = solidOf(state)?.json;
     return !solid ? 'This body is made of nothing yet; the texture type decides which fields it follows.'
-      : solid.kind !== 'lapped' ? 'A voxel grid follows no fields.' : null;
+      : solid.kind === 'diffusion' ? 'Colours that flow between surfaces follow no fields.'
+        : solid.kind !== 'lapped' ? 'A voxel grid follows no fields.' : null;
   }, (text) => text && empty(text));
   return host;
 }

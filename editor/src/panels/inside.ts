@@ -74,7 +74,7 @@ function textureSection(context: Context): HTMLElement {
       (name) => void operate(app, `Make it of ${name}`, { op: 'solid.choose', name }), { key: 'solid' }).element),
     what.kind === 'lapped' ? typeCard(context, what.type)
       : what.kind === 'procedural' ? computedCard(context)
-        : h('p', { class: 'quiet' }, 'A voxel grid, as it is in its file.')];
+        : h('p', { class: 'quiet' }, kindWords[what.kind] ?? '')];
   });
   let shown = '';
   const refresh = (): void => {
@@ -124,6 +124,11 @@ function exemplarCard(context: Context, cube: Cube): HTMLElement {
   void refresh();
   return made;
 }
+
+const kindWords: { [kind: string]: string } = {
+  grid: 'A voxel grid, as it is in its file.', diffusion: 'Colours that flow between the body’s surfaces.',
+  combined: 'The colour of one solid with the grain of others on it.',
+};
 
 function fillOptions({ app }: Context, place: string): HTMLElement {
   return optionRows(app, place, {

@@ -1,4 +1,4 @@
-// The inspector along the right edge: four tabs of sections, as wide as one likes, a drawer on narrow windows.
+// The inspector along the right edge: five tabs of sections, as wide as one likes, a drawer on narrow windows.
 
 import type { State, ToolName } from '../store';
 import { h, recall, remember } from '../ui/dom';
@@ -10,6 +10,7 @@ import { insidePanel } from './inside';
 import { lookPanel } from './look';
 import { recipeSection } from './recipe';
 import { shapeSection } from './shape';
+import { sketchPanel, type Session } from '../sketch';
 
 const widths: [number, number] = [264, 560];
 
@@ -20,13 +21,14 @@ const tabOf: { [tool in ToolName]?: State['tab'] } = {
 };
 
 /** Builds the inspector with its edge. */
-export function inspector(context: Context): HTMLElement[] {
+export function inspector(context: Context, session: Session): HTMLElement[] {
   const { store } = context.app;
   const panels = { inside: insidePanel(context, recipeSection(context), shapeSection(context)),
-    fields: fieldsPanel(context), cuts: cutsPanel(context), look: lookPanel(context) };
+    fields: fieldsPanel(context), sketch: sketchPanel(context, session), cuts: cutsPanel(context), look: lookPanel(context) };
   const bar = tabs('Inspector', [
     { id: 'inside', label: 'Inside', icon: 'solid', panel: panels.inside },
     { id: 'fields', label: 'Fields', icon: 'lines', panel: panels.fields },
+    { id: 'sketch', label: 'Sketch', icon: 'sketch', panel: panels.sketch },
     { id: 'cuts', label: 'Cuts', icon: 'cut', panel: panels.cuts },
     { id: 'look', label: 'Look', icon: 'camera', panel: panels.look },
   ], store.state.tab, (tab) => store.set({ tab: tab as State['tab'] }));

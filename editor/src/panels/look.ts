@@ -12,10 +12,12 @@ import { empty, section, setNote } from '../ui/layout';
 import { numberField } from '../ui/slider';
 import { commandButton, refreshCommand, type Context } from './context';
 import { optionRows } from './options';
+import { surfacesSection } from './surfaceoptions';
 
 /** The sections of the tab. */
 export function lookPanel(context: Context): HTMLElement {
-  return h('div', { class: 'panel' }, pictureSection(context), volumeSection(context), documentSection(context));
+  return h('div', { class: 'panel' }, surfacesSection(context), pictureSection(context), volumeSection(context),
+    documentSection(context));
 }
 
 /* ---- pictures ---------------------------------------------------------------------------------------------------- */

@@ -12,12 +12,13 @@ import { installTooltips } from '../ui/floating';
 import type { Context } from './context';
 import { inspector } from './inspector';
 import { stage } from './stage';
+import { Session, Workspace } from '../sketch';
 import { statusbar } from './statusbar';
 import { toolstrip } from './toolstrip';
 import { topbar } from './topbar';
 
-/** Builds everything around the view, and lets the keyboard in; gives back what a person can do there. */
-export function buildPage(app: App): Commands {
+/** Builds everything around the view, and lets the keyboard in; gives back what a person can do there, and the sketch. */
+export function buildPage(app: App): { commands: Commands; sketch: Workspace } {
   const { store } = app, pictures = new Pictures(app);
   let steps: FirstSteps | null = null;
   const commands = new Commands(app, {
@@ -41,19 +42,20 @@ export function buildPage(app: App): Commands {
   };
   app.actions.complain = (message) => app.messages.say(message, 'warning');
   installTheme(app);
-  const middle = stage(context);
+  const middle = stage(context), session = new Session(app), sketch = new Workspace(context, session);
   steps = middle.steps;
   const narrow = matchMedia('(max-width: 819px)');
   if (narrow.matches) store.set({ inspector: false });
   document.getElementById('app')!.append(h('div', { class: 'page' }, topbar(context),
-    h('div', { class: 'work' }, toolstrip(context), middle.element, inspector(context)), statusbar(context)));
+    h('div', { class: 'work' }, toolstrip(context), sketch.element, sketch.edge, middle.element,
+      inspector(context, session)), statusbar(context)));
   installTooltips();
   // The view shows that it has the focus to those who come by keyboard; a click on it needs no telling.
   const input = (how: string) => (): void => { document.documentElement.dataset.input = how; };
   document.addEventListener('pointerdown', input('pointer'), true);
   document.addEventListener('keydown', input('keys'), true);
   installKeyboard(app, commands);
-  return commands;
+  return { commands, sketch };
 }
 
 /* The first theme is the system's; a choice is remembered. */

@@ -15,12 +15,13 @@ export function shapeSection(context: Context): HTMLElement {
   live(app.store, part.body, ['document', 'body'], (state) => {
     const { shape, displacement, finish } = bodyJson(state);
     return { place: bodyPlace(state), kind: Object.keys(made).find((word) => shape?.[word]) ?? 'mesh',
-      placed: shape?.place !== undefined, shiny: finish !== undefined, file: shape?.mesh as string | undefined,
+      bounds: (shape?.surfaces ?? null) as string[] | null, placed: shape?.place !== undefined, shiny: finish !== undefined, file: shape?.mesh as string | undefined,
              refine: shape?.refine !== undefined, relief: displacement !== undefined };
-  }, ({ place, kind, placed, shiny, file, refine, relief }) => {
-    setNote(part, file ? file.split('/').pop() : kind);
+  }, ({ place, kind, bounds, placed, shiny, file, refine, relief }) => {
+    setNote(part, file ? file.split('/').pop() : bounds ? 'surfaces' : kind);
     return [
       file ? h('p', { class: 'quiet' }, `The mesh is ${file}.`)
+        : bounds ? h('p', { class: 'quiet' }, `It is bounded by its surfaces: ${bounds.join(', ')}.`)
         : optionRows(app, `${place}shape.${kind}`, { of: kind, ...made[kind] }),
       kind === 'turned' && profileEditor(app, `${place}shape.turned.profile`),
       folded('place', 'Place', placed ? placeRows(context, place) : empty('It stands where it was made.',

@@ -101,7 +101,7 @@ function depthScale({ app }: Context): HTMLElement {
 /* One sentence in the middle while there is nothing to see, and the button that changes it. */
 function middle(context: Context): HTMLElement {
   const { app } = context, host = h('div', { class: 'stage-middle' });
-  live(app.store, host, ['document', 'bodies', 'jobs', 'serial', 'connection', 'body', 'tool', 'undo'],
+  live(app.store, host, ['document', 'bodies', 'jobs', 'serial', 'connection', 'body', 'tool', 'undo', 'mode'],
     (state) => whyNothing(context, state), (what) => what && nothingCard(context, what));
   return host;
 }
@@ -116,7 +116,7 @@ function whyNothing({ app }: Context, state: State): Nothing | null {
     if (view.parts.length > 0) return 'hidden';
     if (state.document.cuts?.length) return state.undo.length > 0 ? 'cut away' : 'cut away before';
   }
-  if (state.bodies.length === 0 || state.tool !== 'select') return null;
+  if (state.bodies.length === 0 || state.tool !== 'select' || state.mode === 'surfaces') return null;
   if (!solidOf(state)) return 'no solid';
   const built = app.model.solids.size > 0 || state.bodies.some((body) => body.built.solid || body.shown);
   return built || isBusy(state) ? null : state.bodies[state.body]?.why ? 'why' : 'not built';

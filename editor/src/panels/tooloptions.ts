@@ -9,6 +9,7 @@ import { write } from '../ui/numbers';
 import { paletteCss } from '../view/looks';
 import { commandButton, type Context } from './context';
 import { exemplarName, exemplarsOf } from './exemplars';
+import { eraseOptions, paintOptions } from './surfaceoptions';
 
 /** Builds the bar; it is gone while the tool has nothing to be told. */
 export function toolOptions(context: Context): HTMLElement {
@@ -19,7 +20,7 @@ export function toolOptions(context: Context): HTMLElement {
     bar.hidden = made.length === 0;
     fill(bar, made);
   };
-  store.on(['tool', 'part', 'erase', 'keep', 'separate', 'pasting', 'body', 'types'], refresh);
+  store.on(['tool', 'part', 'erase', 'keep', 'separate', 'pasting', 'body', 'types', 'paintWhat'], refresh);
   refresh();
   return bar;
 }
@@ -36,10 +37,13 @@ function optionsOf(context: Context, tool: ToolName): Child[] {
       : [linesSwitch(context)];
     case 'scale': return [sizeSlider(context)];
     case 'paste': return [pasteChoice(context), sizeSlider(context)];
+    case 'paint-surface': return paintOptions(context);
+    case 'erase-surface': return eraseOptions(context);
   }
 }
 
-function labelled(label: string, control: HTMLElement, narrow = false): HTMLElement {
+/** A control with a word before it. */
+export function labelled(label: string, control: HTMLElement, narrow = false): HTMLElement {
   return h('div', { class: narrow ? 'option narrow' : 'option' },
     h('span', { class: 'option-label', 'aria-hidden': 'true' }, label), control);
 }

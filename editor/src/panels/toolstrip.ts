@@ -8,8 +8,8 @@ import { toolObstacle, toolTable } from '../tools/table';
 import type { Context } from './context';
 
 /** Builds the strip; tools that are of no use to the chosen body stay in their place and say why. */
-export function toolstrip({ app }: Context): HTMLElement {
-  const { store, toolbox } = app, buttons = new Map<ToolName, HTMLButtonElement>();
+export function toolstrip(context: Context): HTMLElement {
+  const { app } = context, { store, toolbox } = app, buttons = new Map<ToolName, HTMLButtonElement>();
   const groups: HTMLElement[] = [];
   for (const { name, about, group } of toolTable) {
     const tool = toolbox.get(name);
@@ -39,7 +39,12 @@ export function toolstrip({ app }: Context): HTMLElement {
   store.on(['tool', 'document', 'body', 'types'], refresh);
   refresh();
   const all = [...buttons.values()];
-  const strip = h('nav', { class: 'toolstrip', 'aria-label': 'Tools', 'data-tips': 'right' },
+  const sketch = h('button', { type: 'button', class: 'tool sketch-toggle', 'aria-label': 'Sketch', 'data-tip': 'Sketch: draw surfaces along and across an axis',
+    'data-tip-keys': context.commands.get('sketch').keys[0], onclick: () => context.commands.run('sketch') }, icon('sketch', 22));
+  const pressed = (): void => set(sketch, 'aria-pressed', store.state.sketching);
+  store.on(['sketching'], pressed);
+  pressed();
+  const strip = h('nav', { class: 'toolstrip', 'aria-label': 'Tools', 'data-tips': 'right' }, sketch,
     h('div', { role: 'radiogroup', 'aria-label': 'Tools' }, groups));
   strip.addEventListener('keydown', (event) => rove(event, all));
   return strip;

@@ -1,7 +1,7 @@
 // The bar along the top: the document on the left, how it is looked at in the middle, what is being made on the right.
 
 import { sentence } from '../sentences';
-import type { ViewMode } from '../store';
+import { surfacesOf, type ViewMode } from '../store';
 import { button, checkbox, iconButton, segmented } from '../ui/controls';
 import { h, set } from '../ui/dom';
 import { progress } from '../ui/dialog';
@@ -81,8 +81,13 @@ function modes(context: Context): HTMLElement {
     { value: 'depth', label: 'Depth', icon: 'drop', tip: 'Depth: red outside, blue at the core', keys },
     { value: 'shape', label: 'Shape', icon: 'shape', tip: 'The bare shape', keys },
     { value: 'volume', label: 'Volume', icon: 'cloud', tip: 'Seen through', keys },
+    { value: 'surfaces', label: 'Surfaces', icon: 'nested', tip: 'The surfaces that colours flow from', keys },
   ], store.state.mode, (mode) => store.set({ mode }), { key: 'mode' });
   store.on(['mode'], () => control.set(store.state.mode));
+  const within = control.element.querySelector<HTMLElement>('[data-key="mode=surfaces"]')!;
+  const refresh = (): void => { within.hidden = store.state.bodies.every((_, i) => surfacesOf(store.state, i).length === 0); };
+  store.on(['document', 'bodies'], refresh);
+  refresh();
   control.element.classList.add('modes');
   return control.element;
 }

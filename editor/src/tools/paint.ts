@@ -12,7 +12,7 @@ function showPaint(app: App): { enter(): void; leave(): void } {
   return {
     enter() {
       const { mode } = app.store.state;
-      before = mode === 'solid' || mode === 'volume' ? mode : null;
+      before = mode === 'solid' || mode === 'volume' || mode === 'surfaces' ? mode : null;
       if (before) app.store.set({ mode: 'shape' });
     },
     leave() {

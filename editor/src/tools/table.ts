@@ -1,7 +1,7 @@
 // The order of the tools, what each is for, and why one is of no use to the chosen body.
 
 import type { Json } from '../protocol';
-import { bodyJson, solidOf, type State, type ToolName } from '../store';
+import { bodyJson, solidOf, surfacesOf, type State, type ToolName } from '../store';
 
 export interface ToolFacts {
   name: ToolName;
@@ -21,12 +21,18 @@ export const toolTable: readonly ToolFacts[] = [
   { name: 'direction', group: 3, about: 'Draw strokes that fibres follow.' },
   { name: 'scale', group: 4, about: 'Place the exemplar on the model and set its size there.' },
   { name: 'paste', group: 4, about: 'Set an exemplar on top by hand.' },
+  { name: 'paint-surface', group: 5, about: 'Paint the colours of surfaces inside, and how they blur.' },
+  { name: 'erase-surface', group: 5, about: 'Take a part of a surface away.' },
 ];
 
 /** Why a tool is of no use to the chosen body, a sentence; null when it is. */
 export function toolObstacle(state: State, name: ToolName): string | null {
   if (name === 'select' || name === 'cut' || name === 'plane') return null;
+  if (name === 'paint-surface' || name === 'erase-surface') {
+    return surfacesOf(state).length ? null : 'This body has no surfaces that colours flow from; draw some first.';
+  }
   const solid = solidOf(state)?.json;
+  if (solid?.kind === 'diffusion') return `This body’s colours flow between its surfaces; it needs no ${wants[name]}.`;
   if (solid?.kind === 'procedural') return computedObstacle(solid, name);
   if (solid && solid.kind !== 'lapped') return `This body is made of a voxel grid, which needs no ${wants[name]}.`;
   if (!solid) return name === 'paste' ? 'This body has no solid to paste on yet; choose a texture type first.' : null;

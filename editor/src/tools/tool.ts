@@ -46,4 +46,6 @@ export interface Tool {
   double?(event: ToolEvent): void;
   /** Escape, or the drag was taken away. */
   cancel?(): void;
+  /** Does something wait, without a drag, for what comes next? */
+  pending?(): boolean;
 }

@@ -43,8 +43,8 @@ export class Toolbox {
     this.viewport.element.dataset.tool = next?.name ?? '';
   }
 
-  /** Has a tool a drag? */
-  get busy(): boolean { return this.taken.size > 0; }
+  /** Has a tool a drag, or something under way? */
+  get busy(): boolean { return this.taken.size > 0 || this.entered?.pending?.() === true; }
 
   /** Ends what is under way without doing it. */
   cancel(): void {

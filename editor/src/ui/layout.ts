@@ -86,30 +86,36 @@ export function tabs(name: string, all: Tab[], chosen: string, choose: (id: stri
   return { element, show };
 }
 
-/** An edge that makes what is right of it wider or narrower; arrow keys do too. */
-export function splitter(name: string, width: () => number, change: (width: number) => void, range: [number, number]):
-  HTMLElement {
-  const element = h('div', { class: 'splitter', role: 'separator', tabindex: 0, 'aria-orientation': 'vertical',
-    'aria-label': name, 'aria-valuemin': range[0], 'aria-valuemax': range[1], 'aria-valuenow': width() });
+/** An edge that makes what is left of it (`right of`), right of it or above it (`below`) larger or smaller; arrow keys do
+    too. `where`: on which side of that it lies. */
+export function splitter(name: string, size: () => number, change: (size: number) => void, range: [number, number],
+  where: 'left of' | 'right of' | 'below' = 'left of'): HTMLElement {
+  const level = where === 'below', sign = where === 'left of' ? -1 : 1;
+  const element = h('div', { class: level ? 'splitter level' : 'splitter', role: 'separator', tabindex: 0,
+    'aria-orientation': level ? 'horizontal' : 'vertical', 'aria-label': name, 'aria-valuemin': range[0], 'aria-valuemax': range[1],
+    'aria-valuenow': size() });
   const to = (next: number): void => {
     const held = Math.round(Math.min(range[1], Math.max(range[0], next)));
     change(held);
     set(element, 'aria-valuenow', held);
   };
+  const along = (event: PointerEvent): number => (level ? event.clientY : event.clientX);
   element.addEventListener('pointerdown', (event) => {
     event.preventDefault();
     element.setPointerCapture(event.pointerId);
-    const from = event.clientX, before = width();
-    const move = (next: PointerEvent): void => to(before + from - next.clientX);
+    const from = along(event), before = size();
+    const move = (next: PointerEvent): void => to(before + sign * (along(next) - from));
     element.addEventListener('pointermove', move);
     element.addEventListener('lostpointercapture', () => element.removeEventListener('pointermove', move),
       { once: true });
   });
+  const keys: { [key: string]: number } = level ? { ArrowUp: -16, ArrowDown: 16 } : { ArrowLeft: -16, ArrowRight: 16 };
   element.addEventListener('keydown', (event) => {
-    if (event.key !== 'ArrowLeft' && event.key !== 'ArrowRight') return;
+    const step = keys[event.key];
+    if (!step) return;
     event.preventDefault();
     event.stopPropagation();
-    to(width() + (event.key === 'ArrowLeft' ? 16 : -16));
+    to(size() + sign * step);
   });
   return element;
 }

@@ -22,8 +22,16 @@ export class PointPass {
 
   constructor(private readonly renderer: THREE.WebGLRenderer, private readonly shared: Shared) {}
 
-  /** What of a body is seen in groups of parts; `turned`: with normals and views. */
-  see(body: number, groups: THREE.Object3D[], camera: THREE.Camera, turned: boolean): SeenPoints {
+  /** What of a body is seen in groups of parts; `turned`: with normals and views; `inside`: of sections alone. */
+  see(body: number, groups: THREE.Object3D[], camera: THREE.Camera, turned: boolean, inside: boolean): SeenPoints {
+    const { show } = this.shared, kept = show.value;
+    if (inside) show.value = 1;
+    const found = this.gather(body, groups, camera, turned);
+    show.value = kept;
+    return found;
+  }
+
+  private gather(body: number, groups: THREE.Object3D[], camera: THREE.Camera, turned: boolean): SeenPoints {
     const size = this.renderer.getDrawingBufferSize(new THREE.Vector2());
     if (this.target?.width !== size.x || this.target.height !== size.y) {
       this.target?.dispose();

@@ -9,9 +9,8 @@ flat in uvec3 vInfo;
 out vec4 result;
 
 uniform vec3 cameraPosition;
-uniform vec3 lightDirection;    // towards the key light
-uniform vec3 upDirection;
 uniform int mode;               // 0 the solid, 1 depth, 2 clay
+uniform int show;               // 0 all, 1 sections alone, 2 the skin alone, seen through
 uniform bool hasDepth, hasPaint, showIsolines, showEdges, picked, stale, unlit;
 uniform float opacity;
 uniform sampler2D painted;      // depth painted on each face, PAINT_WIDTH in a row; negative: none
@@ -24,6 +23,7 @@ uniform highp sampler3D ghost;
 uniform vec2 ghostMask;         // radius, drop-off
 #endif
 #ifdef GRID
+in vec4 vSkin;
 uniform highp sampler3D voxels;
 uniform vec3 gridOrigin, gridExtent;
 uniform bool known;             // are there colours for each pixel?
@@ -32,9 +32,6 @@ uniform int body, askedFor;
 #endif
 
 const int PAINT_WIDTH = 1024;
-
-vec3 fromSrgb(vec3 c) { return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), step(0.04045, c)); }
-vec3 toSrgb(vec3 c) { return mix(c * 12.92, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c)); }
 
 /* Red, yellow, green, cyan, blue from depth 0 to 1 (Takayama's thesis 2011, §4.4.1), a little calmer than pure. */
 vec3 palette(float depth)
@@ -72,6 +69,7 @@ vec3 ownColour(bool section, uint face)
 #endif
 #ifdef GRID
         colour = textureLod(voxels, (vMaterial - gridOrigin) / gridExtent, 0.0).rgb;
+        if (!section && vSkin.a > 0.99) colour = fromSrgb(vSkin.rgb);
         vec4 own = known ? texelFetch(colours, ivec2(gl_FragCoord.xy), 0) : vec4(0.0);
         if (own.a > 0.0) colour = fromSrgb(own.rgb);
 #endif
@@ -94,20 +92,6 @@ vec3 ownColour(bool section, uint face)
     return colour;
 }
 
-vec3 lit(vec3 colour, vec3 normal, vec3 eye, bool section)
-{
-    const float wrap = 0.22, ambient = 0.42, strength = 0.8;
-    float facing = dot(normal, lightDirection);
-    float key = max(0.0, facing + wrap) / (1.0 + wrap);
-    float sky = 0.72 + 0.28 * dot(normal, upDirection);
-    vec3 lit = colour * (strength * key + ambient * sky);
-    vec3 middle = normalize(lightDirection + eye);
-    float fresnel = 0.05 + 0.95 * pow(1.0 - max(0.0, dot(eye, middle)), 5.0);
-    float shine = fresnel * (90.0 + 8.0) / 25.13 * pow(max(0.0, dot(normal, middle)), 90.0) * max(0.0, facing);
-    lit += strength * (section ? 0.5 : 0.2) * shine;
-    return mix(lit, 0.8 + 0.2 * (1.0 - exp(-(lit - 0.8) / 0.2)), step(0.8, lit)); // highlights bend to stay below 1
-}
-
 /* The point that is seen and how wide a pixel is there, its normal, or the way to the eye; all 0 of other bodies. */
 vec4 place(float width)
 {
@@ -124,11 +108,12 @@ void main()
 {
     float width = max(length(dFdx(vMaterial)), length(dFdy(vMaterial)));
     if (dot(vMaterial, clip.xyz) > clip.w && clip.xyz != vec3(0.0)) discard;
+    bool section = (vInfo.z & 0x80000000u) != 0u;
+    if (show == 1 && !section || show == 2 && (section || !gl_FrontFacing)) discard;
     if (asking > 0) {
         result = place(width);
         return;
     }
-    bool section = (vInfo.z & 0x80000000u) != 0u;
     uint face = vInfo.z & 0x7fffffffu;
     vec3 eye = normalize(cameraPosition - vWorld);
     vec3 normal = normalize(vNormal);
@@ -144,5 +129,6 @@ void main()
         colour *= mix(0.72, 1.0, smoothstep(0.6, 1.4, min(edge.x, min(edge.y, edge.z))));
     }
     if (picked) colour = mix(colour, accent, 0.08 + 0.5 * pow(1.0 - max(0.0, dot(normal, eye)), 3.0));
-    result = vec4(toSrgb(clamp(colour, 0.0, 1.0)), opacity);
+    float rim = 1.0 - abs(dot(normal, eye)), alpha = show == 2 ? clamp(opacity * (1.0 + 1.5 * rim * rim), 0.0, 1.0) : 1.0;
+    result = vec4(toSrgb(clamp(colour, 0.0, 1.0)), alpha);
 }

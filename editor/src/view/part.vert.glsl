@@ -10,6 +10,10 @@ in vec3 material;       // where solids are asked
 #endif
 in vec2 normal;         // octahedral
 in float depth;
+#ifdef GRID
+in vec4 skin;           // the skin's own colour, sRGB; opacity 0 where it is not known
+out vec4 vSkin;
+#endif
 in uvec3 info;          // first record and number of records of layers; face of the cleaned mesh, its top bit: section
 
 out vec3 vMaterial, vWorld, vNormal, vCorner;
@@ -35,6 +39,9 @@ void main()
     vNormal = unfold(normal);
     vDepth = depth;
     vInfo = info;
+#ifdef GRID
+    vSkin = skin;
+#endif
     int corner = gl_VertexID % 3;
     vCorner = vec3(corner == 0, corner == 1, corner == 2);
     gl_Position = projectionMatrix * viewMatrix * world;

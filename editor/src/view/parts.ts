@@ -69,6 +69,9 @@ export class View {
   readonly faces: Uint32Array;
   readonly head: Packet['head'];
   readonly bytes: number;
+  /** Bodies whose skin has colours of its own. */
+  readonly skinned = new Set<number>();
+  private readonly normals: Int16Array | undefined;
   private readonly owned: THREE.Texture[] = [];
 
   constructor(packet: Packet, readonly bare: boolean, shared: Shared, solids: Map<number, BodySolid>, meshes: Map<number, BodyMesh>) {
@@ -80,6 +83,7 @@ export class View {
     this.corners = arrays.corners as Uint32Array;
     this.kinds = arrays.kinds as Uint8Array;
     this.faces = arrays.faces as Uint32Array;
+    this.normals = arrays.normals as Int16Array | undefined;
     const layers = arrays.layers as Uint32Array | undefined;
     const texture = tableTexture(layers && layers.length ? layers : new Uint32Array(4), LAYER_WIDTH, THREE.RGBAIntegerFormat,
                                  THREE.UnsignedIntType, 'RGBA32UI');
@@ -91,6 +95,9 @@ export class View {
       if (!arrays.normals) defines.FACETED = 1;
       const material = partMaterial(shared, solids.get(part.body) ?? null, own, defines);
       const mesh = new THREE.Mesh(this.unfold(part, packet), material);
+      if (solids.get(part.body)?.defines.GRID) {
+        mesh.geometry.setAttribute('skin', new THREE.BufferAttribute(new Uint8Array(12 * part.triangles[1]), 4, true));
+      }
       mesh.visible = !part.hidden;
       mesh.position.set(...part.offset);
       const box = mesh.geometry.boundingBox!;
@@ -147,6 +154,44 @@ export class View {
     return geometry;
   }
 
+  /** The vertices of a body's skin, with places and normals, for asking their colours. */
+  skinOf(body: number): { vertices: Uint32Array; points: Float32Array; normals: Float32Array } | null {
+    const { normals, material } = this, corner = new Map<number, number>();
+    if (!normals) return null;
+    for (const { body: own, triangles: [first, count] } of this.parts) {
+      if (own !== body) continue;
+      for (let c = 3 * first; c < 3 * (first + count); ++c) {
+        if (this.kinds[Math.floor(c / 3)] === 0 && !corner.has(this.corners[c])) corner.set(this.corners[c], c);
+      }
+    }
+    const vertices = Uint32Array.from(corner.keys()), points = new Float32Array(3 * vertices.length);
+    const found = new Float32Array(points.length);
+    let i = 0;
+    for (const [v, c] of corner) {
+      points.set(material.subarray(3 * v, 3 * v + 3), 3 * i);
+      found.set(unfoldNormal(normals[2 * c] / 32767, normals[2 * c + 1] / 32767), 3 * i++);
+    }
+    return { vertices, points, normals: found };
+  }
+
+  /** Shows these colours, [vertices][4], on the skin where a solid is drawn from voxels: those lie within it. */
+  colourSkin(body: number, vertices: Uint32Array, colours: Uint8Array): void {
+    const place = new Map<number, number>();
+    this.skinned.add(body);
+    vertices.forEach((v, i) => place.set(v, i));
+    for (const { body: own, triangles: [first, count], mesh } of this.parts) {
+      const skin = mesh.geometry.getAttribute('skin') as THREE.BufferAttribute | undefined;
+      if (own !== body || !skin) continue;
+      for (let c = 0; c < 3 * count; ++c) {
+        const i = place.get(this.corners[3 * first + c]);
+        if (i === undefined) continue;
+        for (let k = 0; k < 3; ++k) skin.array[4 * c + k] = colours[4 * i + k];
+        skin.array[4 * c + 3] = 255;
+      }
+      skin.needsUpdate = true;
+    }
+  }
+
   /** Moves the parts to where they are seen: at their offsets times `together`, and `apart` away from the middle of all. */
   arrange(together: number, apart: number): void {
     const middle = this.box.getCenter(new THREE.Vector3()), away = new THREE.Vector3();
@@ -174,6 +219,14 @@ export class View {
     for (const texture of this.owned) texture.dispose();
     this.group.clear();
   }
+}
+
+/* As part.vert.glsl does. */
+function unfoldNormal(x: number, y: number): [number, number, number] {
+  const z = 1 - Math.abs(x) - Math.abs(y);
+  const [u, v] = z < 0 ? [(1 - Math.abs(y)) * (x >= 0 ? 1 : -1), (1 - Math.abs(x)) * (y >= 0 ? 1 : -1)] : [x, y];
+  const length = Math.hypot(u, v, z) || 1;
+  return [u / length, v / length, z / length];
 }
 
 /** The bare meshes as a view: what is seen before anything was built. */

@@ -5,6 +5,7 @@ import type { Json, Packet, TypedArray } from '../protocol';
 import partVertex from './part.vert.glsl';
 import partFragment from './part.frag.glsl';
 import lappedSource from './lapped.glsl';
+import lightSource from './light.glsl';
 
 export const LAYER_WIDTH = 2048;    // as in lapped.glsl
 export const PAINT_WIDTH = 1024;    // as in part.frag.glsl
@@ -26,6 +27,7 @@ export interface Shared {
   clip: { value: THREE.Vector4 };
   accent: { value: THREE.Vector3 };
   opacity: { value: number };
+  show: { value: number };          // of parts: 0 all, 1 sections alone, 2 the skin alone, seen through
   asking: { value: number };        // of which body points are drawn instead of a picture, from 1; 0: a picture
   askedFor: { value: number };      // what of them
   known: { value: boolean };        // are there colours for each pixel?
@@ -37,7 +39,7 @@ export function sharedUniforms(): Shared {
     lightDirection: { value: new THREE.Vector3(0, 0, 1) }, upDirection: { value: new THREE.Vector3(0, 0, 1) },
     mode: { value: 0 }, showIsolines: { value: true }, showEdges: { value: false }, unlit: { value: false },
     clip: { value: new THREE.Vector4(0, 0, 0, 0) },
-    accent: { value: new THREE.Vector3(0.25, 0.55, 1) }, opacity: { value: 1 },
+    accent: { value: new THREE.Vector3(0.25, 0.55, 1) }, opacity: { value: 1 }, show: { value: 0 },
     asking: { value: 0 }, askedFor: { value: 0 }, known: { value: false }, colours: { value: null },
   };
 }
@@ -222,7 +224,7 @@ export function partMaterial(shared: Shared, solid: BodySolid | null, own: { [na
   return new THREE.RawShaderMaterial({
     glslVersion: THREE.GLSL3,
     vertexShader: partVertex,
-    fragmentShader: partFragment.slice(0, split) + lapped + partFragment.slice(split),
+    fragmentShader: partFragment.slice(0, split) + lightSource + lapped + partFragment.slice(split),
     defines: { ...solid?.defines, ...defines, ...(anisotropy > 1 ? {} : { PLAIN: 1 }) },
     uniforms: { ...shared, ...solid?.uniforms, ...own },
     side: THREE.DoubleSide,

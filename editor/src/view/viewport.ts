@@ -2,7 +2,7 @@
 // time.
 
 import * as THREE from 'three';
-import type { Json, Packet } from '../protocol';
+import type { Json, Packet, SurfacesEvent } from '../protocol';
 import type { Hit } from '../tools/tool';
 import { PointPass, type ColourSheet, type SeenPoints } from './asked';
 import { Hands, Turntable } from './camera';
@@ -11,6 +11,7 @@ import { bareView, BodyMesh, View, type ViewPart } from './parts';
 import { meet, normalOf } from './pick';
 import { BodySolid, setAnisotropy, sharedUniforms } from './solids';
 import { layerMesh, lineObject } from './looks';
+import { SurfaceSet, type Surface, type SurfaceHit } from './surfaces';
 
 /** An exemplar shown where it would be set: its texture, and where its cube stands. */
 export interface Ghost {
@@ -48,6 +49,8 @@ export class Viewport {
   private layer: { mesh: THREE.Mesh; body: number } | null = null;
   private lines: THREE.Mesh[] = [];
   private readonly ribbons = { resolution: { value: new THREE.Vector2(1, 1) }, pale: { value: 0 } };
+  readonly surfaces: SurfaceSet;
+  private within = false;           // the surfaces are shown, and the model about them is seen through
   private section: View | null = null;
   private readonly pass: PointPass;
   private sheet: { of: string; whole: boolean; sheet: ColourSheet } | null = null;
@@ -69,6 +72,7 @@ export class Viewport {
     this.renderer.setClearColor(0x000000, 0);
     this.canvas = this.renderer.domElement;
     this.pass = new PointPass(this.renderer, this.shared);
+    this.surfaces = new SurfaceSet(this.shared);
     setAnisotropy(this.slow ? 1 : Math.min(8, this.renderer.capabilities.getMaxAnisotropy()));
     this.canvas.tabIndex = 0;
     this.canvas.setAttribute('aria-label', 'The model. Drag to turn it, with the right button in any tool.');
@@ -95,9 +99,20 @@ export class Viewport {
     if (packet.kind === 'mesh') this.takeMesh(packet);
     else if (packet.kind === 'solid') this.takeSolid(packet);
     else if (packet.kind === 'view') this.takeView(packet);
+    else if (packet.kind === 'surface') this.surfaces.take(packet);
     else return false;
     this.invalidate();
     return true;
+  }
+
+  /** Which surfaces there are; without a model they are what there is to see. */
+  listSurfaces(event: SurfacesEvent): void {
+    this.surfaces.list(event);
+    if (!this.view && !this.surfaces.box.isEmpty()) {
+      this.table.see(this.surfaces.box);
+      if (!this.touched) this.table.fromDocument(this.statedCamera);
+    }
+    this.invalidate();
   }
 
   private takeMesh(packet: Packet): void {
@@ -197,6 +212,14 @@ export class Viewport {
     this.invalidate();
   }
 
+  /** Shows the surfaces within the model, its skin seen through to this degree; null: not. */
+  lookWithin(skin: number | null): void {
+    this.within = skin !== null;
+    this.shared.show.value = this.within ? 1 : 0;
+    this.shared.opacity.value = skin ?? 1;
+    this.invalidate();
+  }
+
   light(azimuth: number, elevation: number): void {
     if (azimuth === this.lightAzimuth && elevation === this.lightElevation) return;
     this.lightAzimuth = azimuth;
@@ -289,7 +312,7 @@ export class Viewport {
     const parts = view.parts.map(({ mesh }) => (mesh.visible ? mesh.position.toArray() : 0));
     return JSON.stringify([view.head.serial, bodies.map((body) => this.solids.get(body)!.serial), canvas.width,
       canvas.height, camera.matrixWorld.elements, camera.projectionMatrix.elements, parts, clip.toArray(),
-      this.section?.head.serial]);
+      this.section?.head.serial, this.within]);
   }
 
   /** Bodies in the view whose solids are drawn from voxels. */
@@ -298,12 +321,13 @@ export class Viewport {
     return [...bodies].filter((body) => this.solids.get(body)?.defines.GRID);
   }
 
-  /** The points of such a body that are seen, moved from the middles of the pixels by parts of one. */
-  seePoints(body: number, turned: boolean, [dx, dy]: readonly [number, number]): SeenPoints {
+  /** The points of such a body that are seen, moved from the middles of the pixels by parts of one; `painted`: but for
+      its skin, where the colours of that are known. */
+  seePoints(body: number, turned: boolean, painted: boolean, [dx, dy]: readonly [number, number]): SeenPoints {
     const groups = [this.view!.group, ...(this.section ? [this.section.group] : [])], { camera } = this.table;
     const { width, height } = this.canvas;
     camera.setViewOffset(width, height, dx, dy, width, height);
-    const found = this.pass.see(body, groups, camera, turned);
+    const found = this.pass.see(body, groups, camera, turned, painted && this.view!.skinned.has(body));
     camera.clearViewOffset();
     return found;
   }
@@ -349,6 +373,12 @@ export class Viewport {
     return best;
   }
 
+  /** What of the surfaces is seen at a pixel; only: of this one alone. */
+  hitSurface(x: number, y: number, only?: Surface): SurfaceHit | null {
+    const { origin, direction } = this.ray(x, y);
+    return this.surfaces.hit(origin, direction, only);
+  }
+
   private describe(view: View, part: ViewPart, index: number, triangle: number, distance: number, origin: THREE.Vector3,
                    direction: THREE.Vector3): Hit {
     const where = origin.clone().addScaledVector(direction, distance);
@@ -370,7 +400,10 @@ export class Viewport {
   }
 
   /** Length of the diagonal of all there is, its parts in one place. */
-  get diagonal(): number { return this.view ? this.view.together.getSize(new THREE.Vector3()).length() : 1; }
+  get diagonal(): number {
+    const box = this.view?.together ?? this.surfaces.box;
+    return box.isEmpty() ? 1 : box.getSize(new THREE.Vector3()).length();
+  }
 
   /** The middle of all there is, its parts in one place, and how far that reaches on either side along a direction. */
   reach(direction: THREE.Vector3): { middle: THREE.Vector3; far: number } {
@@ -404,9 +437,42 @@ export class Viewport {
     camera.updateMatrixWorld();
     this.shared.known.value = this.sheet !== null && this.sheet.of === this.seen();
     this.renderer.render(this.scene, camera);
+    if (this.within) this.drawWithin(camera);
     this.overlay.draw();
     const took = performance.now() - start;
     for (const call of this.onDraw) call(took);
+  }
+
+  /* The sections are drawn; the surfaces and, over all, what is seen through follow. */
+  private drawWithin(camera: THREE.PerspectiveCamera): void {
+    const { renderer, shared, view } = this, bounded = new Set(this.surfaces.shown.flatMap(({ outer, body }) => (outer ? [body] : [])));
+    renderer.autoClear = false;
+    this.surfaces.draw(renderer, camera, false);
+    if (shared.opacity.value > 0) {
+      this.surfaces.draw(renderer, camera, true);
+      if (view) this.drawSkin(view, camera, bounded);
+    }
+    renderer.autoClear = true;
+  }
+
+  /* The skin of bodies that no surface bounds: else that is drawn in its place. */
+  private drawSkin(view: View, camera: THREE.PerspectiveCamera, bounded: Set<number>): void {
+    const { shared } = this, { known } = shared, kept = view.parts.map(({ mesh }) => mesh.visible), fine = known.value;
+    shared.show.value = 2;
+    known.value = false; // those colours are of the sections
+    for (const { mesh, body } of view.parts) {
+      mesh.visible &&= !bounded.has(body);
+      mesh.material.transparent = true;
+      mesh.material.depthWrite = false;
+    }
+    this.renderer.render(view.group, camera);
+    view.parts.forEach(({ mesh }, i) => {
+      mesh.visible = kept[i];
+      mesh.material.transparent = false;
+      mesh.material.depthWrite = true;
+    });
+    shared.show.value = 1;
+    known.value = fine;
   }
 
   private get ratio(): number { return Math.min(window.devicePixelRatio, 2); }
