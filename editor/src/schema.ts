@@ -53,10 +53,8 @@ function resolve(root: Json, node: Json, value: any): Json {
       .reduce((at: any, step) => at?.[step], root) as Json;
     found = { ...definition, ...node, about: definition.description };
   }
-  if (found.if) {                   // a body like another has other keys than one of its own
-    const holds = (found.if.required as string[]).every((key) => value?.[key] !== undefined);
-    return resolve(root, (holds ? found.then : found.else) as Json, value);
-  }
+  // A body like another may have every key that one of its own has, though it need not.
+  if (found.else) return resolve(root, found.else as Json, value);
   const kinds = (found.oneOf as Json[] | undefined)?.map((each) => resolve(root, each, value))
     .filter((each) => each.properties);
   if (!found.properties && kinds?.length) {

@@ -123,9 +123,29 @@ export class Store {
   }
 }
 
-/** The object of the body that tools work on: the document itself, or an entry of its bodies. */
+/** The object of the body that tools work on: the document itself, or an entry of its bodies, in full where it is like
+    another. */
 export function bodyJson(state: State, index = state.body): Json {
-  return state.document.bodies ? state.document.bodies[index] ?? {} : state.document;
+  return state.document.bodies ? fullBodies(state.document)[index] ?? {} : state.document;
+}
+
+const known = new WeakMap<Json, Json[]>();
+
+/* What is not said anew of a body that is like one before it is as there, in objects key by key. */
+function fullBodies(document: Json): Json[] {
+  const made: Json[] = known.get(document) ?? [];
+  if (!known.has(document)) {
+    for (const body of document.bodies as Json[]) made.push(body.like ? putOver(made.find(({ name }) => name === body.like) ?? {}, body) : body);
+    known.set(document, made);
+  }
+  return made;
+}
+
+function putOver(object: Json, over: Json): Json {
+  const plain = (value: unknown): value is Json => typeof value === 'object' && value !== null && !Array.isArray(value);
+  const made = { ...object };
+  for (const [key, value] of Object.entries(over)) made[key] = plain(value) && plain(made[key]) ? putOver(made[key], value) : value;
+  return made;
 }
 
 /** Where that object stands in the document, as operations write places: '' or 'bodies[2].'. */

@@ -278,7 +278,7 @@ typedef struct document_sketch {
     bool varied;
     pith_variation_options variation;
     uint64_t hash;                  /* of all that sketch and surfaces say, but for pictures and what is in files */
-    uint64_t form_hash;             /* the same without colours and paint: of where surfaces are */
+    uint64_t form_hash;             /* of those that bound the body, without colours: of where they are */
 } document_sketch;
 
 /* How a body's surface takes the light. */

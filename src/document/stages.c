@@ -201,7 +201,7 @@ static uint64_t hash_turned(const document_turned *turned, uint64_t hash)
 }
 
 /* Of the surfaces but for the body's own, on which they may lie; without any it is nothing that matters. said: what the
-   document says of them, with their colours or without. */
+   document says of them: all, or where they are. */
 static pith_status hash_surfaces(const document_body *body, uint64_t said, uint64_t *hash, pith_error *err)
 {
     *hash = pith_hash_bytes(&said, sizeof said, *hash);

@@ -282,21 +282,46 @@ static pith_status hash_json(const json_t *all, uint64_t *hash, pith_error *err)
     return PITH_OK;
 }
 
-/* Pictures that curves are drawn over do not count. */
-static pith_status hash_sketch(const json_t *sketch, const json_t *surfaces, document_sketch *to, pith_error *err)
+static bool has_name(const json_t *names, const char *name)
+{
+    for (size_t i = 0; i < json_array_size(names); ++i)
+        if (strcmp(json_string_value(json_array_get(names, i)), name) == 0) return true;
+    return false;
+}
+
+/* Leaves of the list what the form of the surfaces of these names depends on: themselves and what grains among them lie
+   on, without colours; and, where they vary together, the curves of all. False: no memory. */
+static bool keep_form(json_t *list, const json_t *bounds, bool varied)
+{
+    json_t *names = json_copy((json_t *)bounds);
+    bool good = !bounds || names;
+    for (size_t i = json_array_size(list); good && i-- > 0;) { /* grains come behind what they lie on */
+        json_t *surface = json_array_get(list, i), *on = json_object_get(surface, "on");
+        const bool needed = has_name(names, json_string_value(json_object_get(surface, "name")));
+        json_object_del(surface, "colours");
+        json_object_del(surface, "paint");
+        if (needed && on) good = json_array_append(names, on) == 0;
+        if (needed) continue;
+        json_object_del(surface, "erase");
+        if (!varied || !json_object_get(surface, "vertical")) json_array_remove(list, i);
+    }
+    json_decref(names);
+    return good;
+}
+
+/* Pictures that curves are drawn over do not count. bounds: names of the surfaces that bound the body, or NULL. */
+static pith_status hash_sketch(const json_t *sketch, const json_t *surfaces, const json_t *bounds, document_sketch *to,
+                               pith_error *err)
 {
     json_t *all = json_pack("{so* so*}", "sketch", json_copy((json_t *)sketch), "surfaces", json_array());
     json_t *drawn = json_object_get(all, "sketch"), *list = json_object_get(all, "surfaces");
+    const bool varied = json_object_get(sketch, "variation") != NULL;
     if (drawn) json_object_del(drawn, "vertical");
     if (drawn) json_object_del(drawn, "horizontal");
     for (size_t i = 0; list && i < json_array_size(surfaces); ++i)
         if (json_array_append_new(list, json_copy(json_array_get(surfaces, i))) != 0) list = NULL;
     pith_status status = hash_json(list ? all : NULL, &to->hash, err);
-    for (size_t i = 0; list && i < json_array_size(list); ++i) {
-        json_object_del(json_array_get(list, i), "colours");
-        json_object_del(json_array_get(list, i), "paint");
-    }
-    if (status == PITH_OK) status = hash_json(all, &to->form_hash, err);
+    if (status == PITH_OK) status = hash_json(keep_form(list, bounds, varied) ? all : NULL, &to->form_hash, err);
     json_decref(all);
     return status;
 }
@@ -306,7 +331,8 @@ pith_status surfaces_build(pith_document *made, reader *in, const json_t *from, 
     const json_t *sketch = json_object_get(from, "sketch"), *list = json_object_get(from, "surfaces");
     const json_t *variation = json_object_get(sketch, "variation");
     const size_t count = json_array_size(list);
-    PITH_TRY(hash_sketch(sketch, list, &to->sketch, in->err));
+    const json_t *bounds = json_object_get(json_object_get(from, "shape"), "surfaces");
+    PITH_TRY(hash_sketch(sketch, list, bounds, &to->sketch, in->err));
     json_options(sketch, &pith_sketch_params, &to->sketch.drawn);
     to->sketch.varied = variation != NULL;
     json_options(variation, &pith_variation_params, &to->sketch.variation);
@@ -322,5 +348,5 @@ pith_status surfaces_build(pith_document *made, reader *in, const json_t *from, 
         reader_leave(in, length);
     }
     if (to->sketch.drawn.feature_count > 0) PITH_TRY(check_sketch(in, to));
-    return check_bounds(made, in, json_object_get(json_object_get(from, "shape"), "surfaces"), to);
+    return check_bounds(made, in, bounds, to);
 }

@@ -6,8 +6,7 @@
 
 const json_t *body_json(const held_document *held, size_t index)
 {
-    const json_t *bodies = json_object_get(held->root, "bodies");
-    return bodies ? json_array_get(bodies, index) : held->root;
+    return held->bodies ? json_array_get(held->bodies, index) : held->root;
 }
 
 bool body_has_solid(const held_document *held, size_t index)

@@ -4,7 +4,7 @@
 
 #include "session.h"
 
-/* The JSON object of a body: an entry of "bodies", or the document itself. */
+/* The JSON object of a body: an entry of "bodies", in full where it is like another, or the document itself. */
 const json_t *body_json(const held_document *held, size_t index);
 /* Is there a solid to fill the body with? */
 bool body_has_solid(const held_document *held, size_t index);

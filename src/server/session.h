@@ -15,6 +15,8 @@ typedef struct held_document {
     pith_document *document;
     char *text;
     json_t *root;
+    json_t *bodies;             /* the list of bodies in full: what is like another has all that it does not say anew;
+                                   NULL in documents of one */
 } held_document;
 held_document *document_hold(held_document *shared);    /* NULL is allowed, in both; from any thread */
 void document_release(held_document *shared);

@@ -16,34 +16,37 @@ static const double patience = 1.0;
 
 enum { KEY_ROOM = 17 };
 
-typedef struct sent_surface { uint64_t key; packet *content; } sent_surface;
+typedef struct sent_surface {
+    uint64_t key;
+    packet *content;
+} sent_surface;
 
 /* What pages were sent of a body. `made` is compared, never followed. */
 typedef struct sent_surfaces {
     const pith_diffusion_surface *made;
-    sent_surface *items;        /* [count] */
+    sent_surface *items; /* [count] */
     size_t count, capacity;
-    char why[600];              /* why these are not what the document says; "": they are */
+    char why[600]; /* why these are not what the document says; "": they are */
 } sent_surfaces;
 
 struct surfacer {
-    const char *path;           /* borrowed */
+    const char *path; /* borrowed */
     outbox *out;
-    worker work;                /* its lock is that of everything down to `hellos` */
-    held_document *next;        /* NULL: none that was not looked at yet */
+    worker work;         /* its lock is that of everything down to `hellos` */
+    held_document *next; /* NULL: none that was not looked at yet */
     uint64_t next_revision;
     uint32_t *hellos;
     size_t hello_count, hello_capacity;
-    atomic_bool hurry;          /* a newer document waits */
+    atomic_bool hurry; /* a newer document waits */
 
     /* Of the surfacer's thread. */
     built_model *made;
     pith_progress progress;
     double started;
     uint64_t revision;
-    sent_surfaces *sent;            /* [sent_count] */
+    sent_surfaces *sent; /* [sent_count] */
     size_t sent_count, sent_capacity;
-    packet *event;              /* what there is; NULL: there never was anything */
+    packet *event; /* what there is; NULL: there never was anything */
 };
 
 /* ---- making ------------------------------------------------------------------------------------------------------ */
@@ -75,8 +78,9 @@ static void clear_body(sent_surfaces *gone)
 }
 
 /* The packet of a surface that pages have already, or a new one, which is sent. */
-static pith_status send_surface(surfacer *own, const sent_surfaces *before, size_t body, size_t index, pith_model *model,
-                                const pith_diffusion_surface *from, sent_surface *to, pith_error *err)
+static pith_status send_surface(surfacer *own, const sent_surfaces *before, size_t body, size_t index,
+                                pith_model *model, const pith_diffusion_surface *from, sent_surface *to,
+                                pith_error *err)
 {
     pith_mesh_view drawn;
     char key[KEY_ROOM];
@@ -105,7 +109,8 @@ static pith_status refresh_body(surfacer *own, pith_model *model, size_t index, 
     PITH_TRY(pith_model_body(model, index, &body, err));
     PITH_TRY(pith_model_surfaces(body, &now.made, &count, err));
     if (now.made == before->made) return PITH_OK;
-    if (!pith_grow((void **)&now.items, &now.capacity, count, sizeof *now.items)) return PITH_OUT_OF_MEMORY(err, "surfaces");
+    if (!pith_grow((void **)&now.items, &now.capacity, count, sizeof *now.items))
+        return PITH_OUT_OF_MEMORY(err, "surfaces");
     pith_status status = PITH_OK;
     while (status == PITH_OK && now.count < count) {
         status = send_surface(own, before, index, now.count, body, &now.made[now.count], &now.items[now.count], err);
@@ -146,7 +151,8 @@ static void tell(surfacer *own, const held_document *held)
     json_t *bodies = json_array();
     for (size_t i = 0; i < own->sent_count; ++i) json_array_append_new(bodies, list_surfaces(held, i, &own->sent[i]));
     packet *made = NULL;
-    json_t *event = json_pack("{ss sI so}", "event", "surfaces", "revision", (json_int_t)own->revision, "bodies", bodies);
+    json_t *event =
+        json_pack("{ss sI so}", "event", "surfaces", "revision", (json_int_t)own->revision, "bodies", bodies);
     if (packet_of_json(event, &made, NULL) != PITH_OK) return;
     packet_set_slot(made, "surfaces");
     packet_release(own->event);
@@ -164,7 +170,8 @@ static void take_document(surfacer *own, held_document *held, uint64_t revision)
     made->held = document_hold(held);
     own->started = pith_seconds();
     own->revision = revision;
-    if (pith_model_create(held->document, &options, &own->progress, &made->model, &err) != PITH_OK || !size_sent(own, held)) {
+    if (pith_model_create(held->document, &options, &own->progress, &made->model, &err) != PITH_OK ||
+        !size_sent(own, held)) {
         built_model_destroy(made);
         return;
     }
@@ -256,8 +263,10 @@ pith_status surfacer_create(const char *path, outbox *out, surfacer **made, pith
     own->out = out;
     own->progress = (pith_progress){ report, own };
     const pith_status status = worker_start(&own->work, take_turn, own, "surfaces", err);
-    if (status == PITH_OK) *made = own;
-    else pith_free(own);
+    if (status == PITH_OK)
+        *made = own;
+    else
+        pith_free(own);
     return status;
 }
 

@@ -352,6 +352,47 @@ static void test_operations_on_surfaces(void **state)
 
 /* ---- refusals ------------------------------------------------------------------------------------------------------------------ */
 
+/* Has the model of the edited document the mesh of the one before? */
+static bool keeps_mesh(const opened *m, const pith_document *edited)
+{
+    const pith_model_options options = { .cache = false };
+    pith_model *next = NULL;
+    CHECK_OK(pith_model_create(edited, &options, NULL, &next, &err));
+    pith_model_share(next, m->model);
+    const bool kept = pith_model_built(next).mesh;
+    pith_model_destroy(next);
+    return kept;
+}
+
+static void test_the_mesh_depends_on_what_bounds_it(void **state)
+{
+    (void)state;
+    static const struct { const char *operation; bool keeps, keeps_varied; } edits[] = {
+        { "{\"op\": \"surface.paint\", \"surface\": \"skin\", \"front\": \"#00ff00\", \"brush\": {\"points\": "
+          "[[0, 0, 1]]}}", true, true },
+        { "{\"op\": \"surface.flip\", \"surface\": \"skin\"}", true, true },
+        { "{\"op\": \"surface.erase\", \"surface\": \"core\", \"plane\": {\"point\": [0, 0, 0], \"normal\": "
+          "[0, 0, 1]}}", true, true },
+        { "{\"op\": \"surface.curve\", \"surface\": \"core\", \"points\": [[0, 0.3], [0.3, 0], [0, -0.3]]}", true,
+          false },
+        { "{\"op\": \"surface.curve\", \"surface\": \"skin\", \"points\": [[0, 1], [0.9, 0], [0, -1]]}", false, false },
+        { "{\"op\": \"sketch.vary\", \"seed\": 3}", false, false },
+    };
+    for (size_t varied = 0; varied < 2; ++varied) {
+        opened m = open_text(varied ? BODY(SKIN ", " CORE, ", \"sketch\": {\"variation\": {\"seed\": 2}}")
+                                    : BODY(SKIN ", " CORE, ""));
+        CHECK_OK(pith_model_mesh(m.model, NULL, NULL, &err));
+        for (size_t i = 0; i < sizeof edits / sizeof *edits; ++i) {
+            pith_document *edited = apply(m.document, edits[i].operation);
+            const bool kept = keeps_mesh(&m, edited), expected = varied ? edits[i].keeps_varied : edits[i].keeps;
+            if (kept != expected) print_error("varied %zu, %s\n", varied, edits[i].operation);
+            assert_int_equal(kept, expected);
+            pith_document_destroy(edited);
+        }
+        close_model(&m);
+    }
+}
+
 static void test_refusals_name_the_place(void **state)
 {
     (void)state;
@@ -402,6 +443,7 @@ int main(void)
         cmocka_unit_test(test_detail_lies_over_the_colour),
         cmocka_unit_test(test_bodies_like_others_and_cuts_of_one),
         cmocka_unit_test(test_operations_on_surfaces),
+        cmocka_unit_test(test_the_mesh_depends_on_what_bounds_it),
         cmocka_unit_test(test_refusals_name_the_place),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

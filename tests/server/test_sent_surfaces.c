@@ -3,10 +3,10 @@
 #include "desk.h"
 
 #define TUBE(colours)                                                                                                  \
-    "{\"name\": \"tube\", \"kind\": \"around\", \"vertical\": [[0.5, 0.4], [0.5, 0.1], [0.5, -0.4]], "                \
+    "{\"name\": \"tube\", \"kind\": \"around\", \"vertical\": [[0.5, 0.4], [0.5, 0.1], [0.5, -0.4]], "                 \
     "\"across\": 32, \"along\": 9, \"colours\": {" colours "}}"
 #define BALL                                                                                                           \
-    "{\"name\": \"ball\", \"kind\": \"around\", \"vertical\": [[0, 0.2], [0.2, 0], [0, -0.2]], \"across\": 24, "      \
+    "{\"name\": \"ball\", \"kind\": \"around\", \"vertical\": [[0, 0.2], [0.2, 0], [0, -0.2]], \"across\": 24, "       \
     "\"along\": 12, \"colours\": {\"front\": \"#102030\", \"blur\": 0.01}}"
 #define TWO TUBE("\"front\": \"#c02010\", \"back\": \"#20c040\"") ", " BALL
 
@@ -14,8 +14,10 @@
 static desk *open_surfaces(const char *place, const char *surfaces)
 {
     char text[4000];
-    snprintf(text, sizeof text, "{\"pith\": 1, \"title\": \"sample\", \"shape\": {%s \"fruit\": {\"detail\": 1}, "
-             "\"tets\": {\"tetrahedra\": 200}}, \"surfaces\": [%s]}", place, surfaces);
+    snprintf(text, sizeof text,
+             "{\"pith\": 1, \"title\": \"sample\", \"shape\": {%s \"fruit\": {\"detail\": 1}, "
+             "\"tets\": {\"tetrahedra\": 200}}, \"surfaces\": [%s]}",
+             place, surfaces);
     write_text("kiwi.pith", text);
     desk *made = desk_open(false, false);
     ASK(made, "\"do\": \"hello\"");
@@ -143,8 +145,10 @@ static void test_documents_without_surfaces_hear_nothing(void **state)
     write_text("kiwi.pith", SAMPLE_DOCUMENT);
     desk *at = desk_open(false, false);
     ASK(at, "\"do\": \"hello\"");
-    ASK(at, "\"do\": \"apply\", \"revision\": %lld, \"name\": \"a\", \"operations\": [{\"op\": \"set\", \"path\": "
-        "\"title\", \"value\": \"b\"}]", desk_revision(at));
+    ASK(at,
+        "\"do\": \"apply\", \"revision\": %lld, \"name\": \"a\", \"operations\": [{\"op\": \"set\", \"path\": "
+        "\"title\", \"value\": \"b\"}]",
+        desk_revision(at));
     for (int i = 0; i < 100; ++i) desk_nap();
     desk_listen(at);
     for (size_t i = 0; i < at->count; ++i) assert_string_not_equal(text_of(at->heard[i].text, "event"), "surfaces");
@@ -249,6 +253,28 @@ static void test_grains_say_the_form_of_one(void **state)
     desk_close(at);
 }
 
+static void test_a_body_like_another_has_its_surfaces(void **state)
+{
+    (void)state;
+    write_text("kiwi.pith",
+               "{\"pith\": 1, \"bodies\": [{\"name\": \"one\", \"shape\": {\"fruit\": {\"detail\": 1}, \"tets\": "
+               "{\"tetrahedra\": 200}}, \"surfaces\": [" TWO "]}, {\"name\": \"other\", \"like\": \"one\", "
+               "\"shape\": {\"place\": {\"move_x\": 3}}}]}");
+    desk *at = desk_open(false, false);
+    ASK(at, "\"do\": \"hello\"");
+    const json_t *event = wait_for_list(at), *body = json_array_get(json_object_get(event, "bodies"), 1);
+    assert_string_equal(text_of(body, "name"), "other");
+    const char *key = json_string_value(json_array_get(json_object_get(body, "surfaces"), 0));
+    assert_non_null(key);
+    assert_string_not_equal(key, key_of(event, 0));
+    const packet *tube = find_surface(at, key, NULL);
+    size_t count;
+    float(*points)[3] = array_of(tube, "positions", &count);
+    assert_true(count > 0);
+    for (size_t v = 0; v < count / 3; ++v) CHECK_NEAR(hypot(points[v][0] - 3.0, points[v][1]), 0.5, 1e-6);
+    desk_close(at);
+}
+
 static void test_what_cannot_be_made_is_told_and_the_rest_stays(void **state)
 {
     (void)state;
@@ -294,6 +320,7 @@ int main(void)
         TEST(test_flipping_exchanges_the_sides),
         TEST(test_placed_surfaces_say_where_they_were_drawn),
         TEST(test_grains_say_the_form_of_one),
+        TEST(test_a_body_like_another_has_its_surfaces),
         TEST(test_what_cannot_be_made_is_told_and_the_rest_stays),
         TEST(test_the_last_surface_that_goes_leaves_an_empty_list),
     };
