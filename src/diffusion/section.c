@@ -67,8 +67,9 @@ pith_status pith_diffusion_section_create(const pith_diffusion *diffusion, const
                                           pith_error *err)
 {
     if (!diffusion || !how || !options || !cutting || !section)
-        return pith_fail(err, PITH_BAD_ARGUMENT, "pith_diffusion_section_create: diffusion, how, options, cutting and "
-                                                 "section must not be NULL");
+        return pith_fail(err, PITH_BAD_ARGUMENT,
+                         "pith_diffusion_section_create: diffusion, how, options, cutting and "
+                         "section must not be NULL");
     if (cutting->triangle_count > 0 && (!cutting->positions || !cutting->triangles))
         return pith_fail(err, PITH_BAD_ARGUMENT, "the cutting surface lacks positions or triangles (NULL)");
     PITH_TRY(pith_params_check(&pith_diffusion_params, how, err));

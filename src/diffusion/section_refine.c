@@ -144,7 +144,9 @@ static pith_status colour_vertices(section_work *work, pith_error *err)
 /* ---- which edges are doubtful -------------------------------------------------------------------------------------------- */
 
 typedef struct doubt {
-    uint32_t edge, from, to, facet;
+    uint32_t edge;
+    uint32_t split; /* the edge that is divided if need be: this one, or one beside it that must stay */
+    uint32_t split_from, split_to;
     uint32_t leader; /* the doubt whose colour answers this one, too; itself: asks */
     bool forced;     /* too long, whatever its colours are */
     bool cut;        /* the middle's colour is the sheet's */
@@ -176,20 +178,47 @@ static uint32_t edge_name(const pith_facets_view *view, uint32_t h)
     return g < h ? g : h; /* PITH_NONE is the largest */
 }
 
-/* A triangle's longest edge when that is too long, else the longest that no cut runs along; PITH_NONE: nothing to be
-   done. */
-static uint32_t doubtful_edge(const section_work *work, const pith_facets_view *view, uint32_t t, bool *forced)
+static uint32_t longest_edge(const pith_facets_view *view, uint32_t t, bool open)
 {
-    uint32_t longest = PITH_NONE, open = PITH_NONE;
-    double most = -1.0, most_open = -1.0;
+    uint32_t longest = PITH_NONE;
+    double most = -1.0;
     for (uint32_t h = 3 * t; h < 3 * t + 3; ++h) {
         const double length = edge_length(view, h);
-        if (length > most) most = length, longest = h;
-        if (length > most_open && !is_cut(view, h)) most_open = length, open = h;
+        if (!(length > most) || (open && is_cut(view, h))) continue;
+        most = length;
+        longest = h;
     }
-    *forced = most > work->longest;
-    if (*forced) return longest;
-    return most_open > 2.0 * work->shortest ? open : PITH_NONE;
+    return longest;
+}
+
+/* What is in doubt about a triangle: its longest edge when that is too long, else the longest that no cut runs along.
+   False: nothing to be done. */
+static bool find_doubt(const section_work *work, const pith_facets_view *view, uint32_t t, doubt *found)
+{
+    const uint32_t longest = longest_edge(view, t, false);
+    if (edge_length(view, longest) > work->longest) {
+        *found = (doubt){ .edge = edge_name(view, longest), .forced = true };
+        return true;
+    }
+    const uint32_t open = longest_edge(view, t, true);
+    if (open == PITH_NONE || !(edge_length(view, open) > 2.0 * work->shortest)) return false;
+    *found = (doubt){ .edge = edge_name(view, open) };
+    return true;
+}
+
+/* Where the triangle on that side of an edge sees a longer one that must stay under a blunt angle, that one is divided
+   in its stead: else ever narrower triangles would come to lie on it (Ruppert, "A Delaunay refinement algorithm for
+   quality 2-dimensional mesh generation", 1995). */
+static void divide_instead(const pith_facets_view *view, doubt *d, uint32_t h)
+{
+    if (h == PITH_NONE) return;
+    const uint32_t longest = longest_edge(view, h / 3, false), g = mate_of(view, longest);
+    if (longest == h) return;
+    if (g != PITH_NONE && view->facets[g / 3] == view->facets[h / 3] && !is_cut(view, longest)) return;
+    double around = 0.0;
+    for (uint32_t e = 3 * (h / 3); e < 3 * (h / 3) + 3; ++e) around += edge_length(view, e) * edge_length(view, e);
+    const double length = edge_length(view, longest);
+    if (2.0 * length * length > around) d->split = edge_name(view, longest);
 }
 
 static int by_edge(const void *a, const void *b)
@@ -211,12 +240,10 @@ static void list_doubts(const section_work *work, const pith_facets_view *view, 
     r->count = 0;
     for (uint32_t t = 0; t < view->triangle_count; ++t) {
         if (memcmp(r->good[t], view->triangles[t], sizeof *r->good) == 0) continue;
-        bool forced;
-        const uint32_t edge = doubtful_edge(work, view, t, &forced);
-        if (edge == PITH_NONE)
-            memcpy(r->good[t], view->triangles[t], sizeof *r->good);
+        if (find_doubt(work, view, t, &r->doubts[r->count]))
+            ++r->count;
         else
-            r->doubts[r->count++] = (doubt){ .edge = edge_name(view, edge), .forced = forced };
+            memcpy(r->good[t], view->triangles[t], sizeof *r->good);
     }
     qsort(r->doubts, r->count, sizeof *r->doubts, by_edge);
     uint32_t kept = 0;
@@ -226,10 +253,13 @@ static void list_doubts(const section_work *work, const pith_facets_view *view, 
         *d = r->doubts[i];
         d->cut = is_cut(view, d->edge);
         d->length = edge_length(view, d->edge);
-        d->from = from_of(view, d->edge);
-        d->to = from_of(view, next_of(d->edge));
-        d->facet = view->facets[d->edge / 3];
-        d->middle = pith_lerp(view->positions[d->from], view->positions[d->to], 0.5);
+        d->split = d->edge;
+        divide_instead(view, d, d->edge);
+        divide_instead(view, d, mate_of(view, d->edge));
+        d->split_from = from_of(view, d->split);
+        d->split_to = from_of(view, next_of(d->split));
+        d->middle =
+            pith_lerp(view->positions[from_of(view, d->edge)], view->positions[from_of(view, next_of(d->edge))], 0.5);
     }
     r->count = kept;
     qsort(r->doubts, r->count, sizeof *r->doubts, by_length);
@@ -313,7 +343,9 @@ static void note_good(const pith_facets_view *view, refining *r, const doubt *d)
     if (g != PITH_NONE) memcpy(r->good[g / 3], view->triangles[g / 3], sizeof *r->good);
 }
 
-static pith_status ask_leaders(section_work *work, const pith_facets_view *view, refining *r, pith_error *err)
+/* The colours of some middles: those of the edges in doubt, or of those that are divided instead. */
+static pith_status ask_middles(section_work *work, const pith_facets_view *view, refining *r, bool instead,
+                               pith_error *err)
 {
     if (!pith_grow((void **)&r->points, &r->point_room, r->count, sizeof *r->points) ||
         !pith_grow((void **)&r->colours, &r->colour_room, r->count, sizeof *r->colours) ||
@@ -322,24 +354,24 @@ static pith_status ask_leaders(section_work *work, const pith_facets_view *view,
     uint32_t count = 0;
     for (uint32_t i = 0; i < r->count; ++i) {
         doubt *d = &r->doubts[i];
-        if (d->leader != i || d->cut) continue;
-        const pith_vec3 apex = view->positions[from_of(view, former_of(d->edge))];
-        if (mate_of(view, d->edge) == PITH_NONE &&
-            colour_on_sheet(work, d->middle, pith_sub(apex, d->middle), d->colour))
-            continue;
-        r->points[count] = d->middle;
+        if (instead ? d->split == d->edge || is_cut(view, d->split) : d->leader != i || d->cut) continue;
+        const uint32_t h = instead ? d->split : d->edge;
+        const pith_vec3 middle =
+            pith_lerp(view->positions[from_of(view, h)], view->positions[from_of(view, next_of(h))], 0.5);
+        const pith_vec3 apex = view->positions[from_of(view, former_of(h))];
+        if (mate_of(view, h) == PITH_NONE && colour_on_sheet(work, middle, pith_sub(apex, middle), d->colour)) continue;
+        r->points[count] = middle;
         r->which[count++] = i;
     }
     PITH_TRY(ask(work, r->points, count, r->colours, err));
-    for (uint32_t i = 0; i < count; ++i)
-        memcpy(r->doubts[r->which[i]].colour, r->colours[i], sizeof r->colours[i]);
+    for (uint32_t i = 0; i < count; ++i) memcpy(r->doubts[r->which[i]].colour, r->colours[i], sizeof r->colours[i]);
     return PITH_OK;
 }
 
 static pith_status judge(section_work *work, refining *r, pith_error *err)
 {
     const pith_facets_view view = pith_facets_look(work->facets);
-    PITH_TRY(ask_leaders(work, &view, r, err));
+    PITH_TRY(ask_middles(work, &view, r, false, err));
     for (uint32_t i = 0; i < r->count; ++i) {
         doubt *d = &r->doubts[i];
         if (d->leader != i) continue;
@@ -356,7 +388,7 @@ static pith_status judge(section_work *work, refining *r, pith_error *err)
     for (uint32_t i = 0; i < r->count; ++i)
         if (r->doubts[i].leader == i && r->doubts[i].error > work->options->tolerance) r->doubts[kept++] = r->doubts[i];
     r->count = kept;
-    return PITH_OK;
+    return ask_middles(work, &view, r, true, err);
 }
 
 /* ---- dividing --------------------------------------------------------------------------------------------------------------- */
@@ -391,8 +423,7 @@ static uint32_t find_mark(const pith_facets_view *view, uint32_t v)
 static bool is_crowded(const pith_facets_view *view, const doubt *d, uint32_t first_new)
 {
     const uint32_t g = mate_of(view, d->edge);
-    const uint32_t apex[2] = { from_of(view, former_of(d->edge)),
-                               g == PITH_NONE ? 0 : from_of(view, former_of(g)) };
+    const uint32_t apex[2] = { from_of(view, former_of(d->edge)), g == PITH_NONE ? 0 : from_of(view, former_of(g)) };
     for (int k = 0; k < 2; ++k)
         if (apex[k] >= first_new && pith_distance(view->positions[apex[k]], d->middle) < 0.4 * d->length) return true;
     return false;
@@ -404,9 +435,9 @@ static pith_status divide(section_work *work, const doubt *d, uint32_t first_new
 {
     pith_facets_view view = pith_facets_look(work->facets);
     uint32_t vertex;
-    if (from_of(&view, d->edge) != d->from || from_of(&view, next_of(d->edge)) != d->to) return PITH_OK;
-    if (is_crowded(&view, d, first_new)) return PITH_OK;
-    PITH_TRY(pith_facets_split(work->facets, d->edge, &vertex, err));
+    if (from_of(&view, d->split) != d->split_from || from_of(&view, next_of(d->split)) != d->split_to) return PITH_OK;
+    if (d->split == d->edge && is_crowded(&view, d, first_new)) return PITH_OK;
+    PITH_TRY(pith_facets_split(work->facets, d->split, &vertex, err));
     PITH_TRY(make_room(work, vertex + 1, err));
     view = pith_facets_look(work->facets);
     work->some_mark[vertex] = find_mark(&view, vertex);

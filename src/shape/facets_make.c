@@ -87,7 +87,8 @@ static double longest_edge(const pith_facets *f, uint32_t t)
 {
     double longest = 0.0;
     for (int k = 0; k < 3; ++k)
-        longest = fmax(longest, pith_distance(f->positions[f->corners[t][k]], f->positions[f->corners[t][(k + 1) % 3]]));
+        longest =
+            fmax(longest, pith_distance(f->positions[f->corners[t][k]], f->positions[f->corners[t][(k + 1) % 3]]));
     return longest;
 }
 
@@ -174,7 +175,8 @@ static bool push_border(const pith_facets *f, uint32_t a, uint32_t b, number_lis
 }
 
 /* One large triangle about the border; its corners are the three vertices behind those of the surface. */
-static pith_status start_facet(pith_facets *f, uint32_t facet, uint32_t outer, const number_list *pairs, pith_error *err)
+static pith_status start_facet(pith_facets *f, uint32_t facet, uint32_t outer, const number_list *pairs,
+                               pith_error *err)
 {
     double low[2] = { INFINITY, INFINITY }, high[2] = { -INFINITY, -INFINITY };
     for (uint32_t i = 0; i < pairs->count; ++i) {
@@ -383,8 +385,7 @@ static pith_status make(pith_facets *f, const pith_mesh_view *surface, pith_erro
         uses = pith_alloc(3 * (size_t)f->triangle_count, sizeof *uses);
         status = uses ? PITH_OK : PITH_OUT_OF_MEMORY(err, "facets");
     }
-    if (status == PITH_OK)
-        pair_edges((const uint32_t(*)[3])f->triangles, f->facets, f->triangle_count, uses, f->mates);
+    if (status == PITH_OK) pair_edges((const uint32_t(*)[3])f->triangles, f->facets, f->triangle_count, uses, f->mates);
     pith_free(order);
     pith_free(same);
     pith_free(uses);
@@ -419,9 +420,10 @@ pith_status pith_facets_create(const pith_mesh_view *surface, double tolerance, 
 void pith_facets_destroy(pith_facets *f)
 {
     if (!f) return;
-    void *const arrays[] = { f->corners, f->across,  f->facet_of, f->positions, f->at,          f->triangles,
-                             f->mates,   f->marks,   f->facets,   f->frames,    f->sources,     f->normals,
-                             f->splits,  f->stack.items, f->fan.items, f->jobs.items, f->crossed.items, f->renewed.items };
+    void *const arrays[] = { f->corners,    f->across,        f->facet_of,     f->positions,   f->at,
+                             f->triangles,  f->mates,         f->marks,        f->facets,      f->frames,
+                             f->sources,    f->normals,       f->splits,       f->stack.items, f->fan.items,
+                             f->jobs.items, f->crossed.items, f->renewed.items };
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; ++i) pith_free(arrays[i]);
     pith_free(f);
 }

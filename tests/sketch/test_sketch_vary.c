@@ -375,7 +375,7 @@ static void test_like_folds_do_not_vary(void **state)
     }
     for (int i = 0; i < 64; ++i) {
         const double angle = 2.0 * M_PI * (i + 0.3) / 64;
-        CHECK_NEAR(radius_at(loop_of(varied, 0, 0), angle), radius_at(&made.skin.curve, angle), 1e-4);
+        CHECK_NEAR(radius_at(loop_of(varied, 0, 0), angle), radius_at(&made.skin.curve, angle), 3e-4);
     }
     pith_varied_sketch_destroy(varied);
     /* Nothing is varied of a single fold, and what is drawn once for all stays as it is. */
