@@ -87,6 +87,51 @@ async function measureModel(label, document) {
   await warm.server.stop();
 }
 
+/* A surface of 10 000 vertices, one of two, that colours flow from. */
+const walls = { pith: 1, sketch: { folds: 3 },
+  surfaces: [{ name: 'skin', kind: 'around', across: 144, along: 70, vertical: [[0, 0.9], [0.7, 0.75], [1, 0], [0.6, -0.8], [0, -0.9]],
+    colours: { front: '#c8281e', back: '#e0603c' } },
+  { name: 'chambers', kind: 'chambers', vertical: [[0.25, 0], [0.5, 0.5], [0.75, 0], [0.5, -0.5]], colours: { front: '#f0b090', back: '#c89a3c' } }],
+  shape: { fruit: { detail: 3 } } };
+
+/* From asking for a change of it to its packet in the page. */
+async function measureSurfaces(document) {
+  const server = await startServer(document), { page, close } = await openPage(server, { built: false });
+  await page.waitForFunction(() => globalThis.pith.viewport.surfaces.shown.length === 2 && globalThis.pith.viewport.view, undefined, { polling: 20 });
+  await page.evaluate(() => globalThis.pith.actions.automatic(false));
+  await drawn(page);
+  const changes = {
+    paint: (i) => ({ op: 'surface.paint', surface: 'skin', front: `#20${10 + i}ff`, brush: { points: [[0.9, 0, 0.1 * i - 0.4]], radius: 0.2 } }),
+    curve: (i) => ({ op: 'surface.curve', surface: 'skin', points: [[0, 0.9], [0.7 - 0.01 * i, 0.75], [1, 0], [0.6, -0.8], [0, -0.9]] }),
+  };
+  for (const [name, change] of Object.entries(changes)) {
+    const runs = [];
+    for (let i = 1; i <= repeats + 1; ++i) {
+      const took = await page.evaluate(async (operation) => {
+        const { actions, viewport } = globalThis.pith, find = () => viewport.surfaces.find(0, 'skin').key;
+        const before = find(), start = performance.now();
+        const arrived = new Promise((resolve) => {
+          const known = viewport.surfaces.onChange;
+          viewport.surfaces.onChange = () => {
+            known();
+            if (find() === before) return;
+            viewport.surfaces.onChange = known;
+            resolve(performance.now() - start);
+          };
+        });
+        await actions.apply('Change', [operation]);
+        return arrived;
+      }, change(i));
+      if (i > 1) runs.push(took); // the first is the warm-up
+      await drawn(page);
+    }
+    const vertices = await page.evaluate(() => globalThis.pith.viewport.surfaces.find(0, 'skin').positions.length / 3);
+    add(`surfaces: ${name}`, { arrival_ms: summary(runs).min, arrival_median_ms: summary(runs).median, vertices });
+  }
+  await close();
+  await server.stop();
+}
+
 async function pageWeight(document) {
   const server = await startServer(document);
   const { page, close } = await openPage(server);
@@ -107,6 +152,9 @@ try {
   text.shape.tets.tetrahedra = 200000;
   writeFileSync(large, JSON.stringify(text));
   await pageWeight(kiwi);
+  const within = join(folder, 'examples', 'within.pith');
+  writeFileSync(within, JSON.stringify(walls));
+  await measureSurfaces(within);
   await measureModel('kiwi', kiwi);
   if (!process.env.SMALL) await measureModel('200 000 tetrahedra', large);
   const [cpu] = cpus();

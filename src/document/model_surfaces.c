@@ -134,22 +134,27 @@ static pith_status strew_grains(const document_body *body, const document_surfac
 
 /* What is painted of one surface: values by channel, [channels][vertices], and where they are fixed. */
 typedef struct coat { bool *fixed; double *values; uint32_t channels; } coat;
+enum { COAT_FRONT, COAT_BACK, COAT_BLUR, COATS };
 
-static pith_status coat_make(coat *made, uint32_t channels, uint32_t vertices, const double *base, pith_error *err)
+/* The values of all coats lie behind one another. */
+static pith_status coats_make(coat coats[COATS], uint32_t vertices, const double base[COATS][4], pith_error *err)
 {
-    made->channels = channels;
-    made->fixed = pith_alloc(vertices, sizeof *made->fixed);
-    made->values = pith_alloc((size_t)channels * vertices, sizeof *made->values);
-    if (!made->fixed || !made->values) return PITH_OUT_OF_MEMORY(err, "paint");
-    for (uint32_t c = 0; c < channels; ++c)
-        for (uint32_t v = 0; v < vertices; ++v) made->values[(size_t)c * vertices + v] = base[c];
-    return PITH_OK;
+    static const uint32_t channels[COATS] = { 4, 4, 1 };
+    double *values = pith_alloc((size_t)9 * vertices, sizeof *values);
+    if (!values) return PITH_OUT_OF_MEMORY(err, "paint");
+    for (int k = 0; k < COATS; ++k) {
+        coats[k] = (coat){ pith_alloc(vertices, sizeof *coats[k].fixed), values, channels[k] };
+        for (uint32_t c = 0; c < channels[k]; ++c)
+            for (uint32_t v = 0; v < vertices; ++v) *values++ = base[k][c];
+    }
+    const bool made = coats[COAT_FRONT].fixed && coats[COAT_BACK].fixed && coats[COAT_BLUR].fixed;
+    return made ? PITH_OK : PITH_OUT_OF_MEMORY(err, "paint");
 }
 
-static void coat_clear(coat *gone)
+static void coats_clear(coat coats[COATS])
 {
-    pith_free(gone->fixed);
-    pith_free(gone->values);
+    for (int k = 0; k < COATS; ++k) pith_free(coats[k].fixed);
+    pith_free(coats[COAT_FRONT].values);
 }
 
 static void coat_paint(coat *to, const bool *met, uint32_t vertices, const double *value)
@@ -161,14 +166,19 @@ static void coat_paint(coat *to, const bool *met, uint32_t vertices, const doubl
     }
 }
 
-static pith_status coat_spread(coat *to, const pith_mesh_view *mesh, pith_error *err)
+/* Coats that are fixed at the same vertices are spread at once. */
+static pith_status coats_spread(coat coats[COATS], const pith_mesh_view *mesh, pith_error *err)
 {
-    bool any = false;
-    for (uint32_t v = 0; v < mesh->vertex_count; ++v) any |= to->fixed[v];
-    return any ? pith_mesh_spread(mesh, to->fixed, to->channels, to->values, err) : PITH_OK;
+    for (int k = 0, next; k < COATS; k = next) {
+        uint32_t channels = coats[k].channels;
+        bool any = false;
+        for (next = k + 1; next < COATS; channels += coats[next++].channels)
+            if (memcmp(coats[k].fixed, coats[next].fixed, mesh->vertex_count * sizeof(bool)) != 0) break;
+        for (uint32_t v = 0; v < mesh->vertex_count; ++v) any |= coats[k].fixed[v];
+        if (any) PITH_TRY(pith_mesh_spread(mesh, coats[k].fixed, channels, coats[k].values, err));
+    }
+    return PITH_OK;
 }
-
-enum { COAT_FRONT, COAT_BACK, COAT_BLUR, COATS };
 
 /* What a file says at the vertices of a surface: some of it may have been erased (ends not NULL). */
 typedef struct given_attributes {
@@ -216,7 +226,7 @@ static pith_status coats_paint(const document_body *body, const document_surface
     const double base[COATS][4] = { { from->front[0], from->front[1], from->front[2], opacity },
                                     { from->back[0], from->back[1], from->back[2], opacity },
                                     { from->look.blur } };
-    for (int k = 0; k < COATS; ++k) PITH_TRY(coat_make(&coats[k], k == COAT_BLUR ? 1 : 4, vertices, base[k], err));
+    PITH_TRY(coats_make(coats, vertices, base, err));
     if (given) coats_take(from, given, vertices, coats);
     bool *met = pith_alloc(vertices, sizeof *met);
     if (!met) return PITH_OUT_OF_MEMORY(err, "paint");
@@ -232,8 +242,7 @@ static pith_status coats_paint(const document_body *body, const document_surface
         if (paint->has_blur) coat_paint(&coats[COAT_BLUR], met, vertices, values[COAT_BLUR]);
     }
     pith_free(met);
-    for (int k = 0; k < COATS; ++k) PITH_TRY(coat_spread(&coats[k], mesh, err));
-    return PITH_OK;
+    return coats_spread(coats, mesh, err);
 }
 
 /* Colours of one side, once for each copy of the vertices. */
@@ -272,7 +281,7 @@ static pith_status colour_surface(const document_body *body, const document_surf
     if (status == PITH_OK && two_sided)
         status = colours_of(&coats[COAT_BACK], mesh.vertex_count, copies, &to->back, err);
     if (status == PITH_OK) status = blur_of(&coats[COAT_BLUR], mesh.vertex_count, copies, scale, &to->blur, err);
-    for (int k = 0; k < COATS; ++k) coat_clear(&coats[k]);
+    coats_clear(coats);
     return status;
 }
 

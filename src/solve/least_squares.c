@@ -5,7 +5,7 @@
  * CHOLMOD's dense parts run on OpenBLAS, which for another number of threads cuts its products differently and rounds
  * differently: with one and with two, factors of the same 39 304 unknowns gave solutions of different bits. So factors
  * are made by one BLAS thread (see solve_blas_enter): half the speed on two idle cores at worst, and no slower on busy
- * ones. The order of unknowns comes from METIS, which starts its random numbers from a fixed seed at every call.
+ * ones. The order of unknowns comes from METIS where that pays, which starts its random numbers from a fixed seed at every call.
  */
 #include "cholmod_internal.h"
 
@@ -54,6 +54,8 @@ static const double smallest_pivot = 1e-13;
 
 /* ---- direct ------------------------------------------------------------------------------------------------------ */
 
+static int ordering_of(uint32_t unknowns) { return unknowns > 2000 ? CHOLMOD_METIS : CHOLMOD_AMD; }
+
 void solve_cholmod_start(cholmod_common *common, uint32_t unknowns)
 {
     cholmod_start(common);
@@ -64,7 +66,7 @@ void solve_cholmod_start(cholmod_common *common, uint32_t unknowns)
     common->final_ll = 1;
     common->quick_return_if_not_posdef = 1;
     common->nmethods = 1;
-    common->method[0].ordering = unknowns > 2000 ? CHOLMOD_METIS : CHOLMOD_AMD;
+    common->method[0].ordering = ordering_of(unknowns);
     common->postorder = 1;
 }
 
@@ -108,6 +110,15 @@ static pith_status check_pivots(const cholmod_factor *factor, const sparse *norm
     return PITH_OK;
 }
 
+/* Has the system few neighbours to each unknown, as on a surface (four entries each in one triangle of the matrix, against
+   eight among tetrahedra)? Minimum degree orders it nearly as well as METIS then, and takes so much less time that the
+   whole, of 10 000 unknowns, takes a third. */
+static bool is_thin(const cholmod_sparse *matrix)
+{
+    enum { THIN_LIMIT = 50000, THIN_ENTRIES = 6 };
+    return matrix->nrow <= THIN_LIMIT && ((const int *)matrix->p)[matrix->ncol] <= THIN_ENTRIES * (int)matrix->nrow;
+}
+
 /* Factors for these constraints. The order and the symbolic factor stay when the pattern allows. */
 static pith_status factor_direct(pith_least_squares *system, const sparse *constrain, pith_error *err)
 {
@@ -124,6 +135,7 @@ static pith_status factor_direct(pith_least_squares *system, const sparse *const
     }
     const uint32_t n = system->normal.rows;
     cholmod_sparse matrix = solve_cholmod_view(&system->normal);
+    system->common.method[0].ordering = is_thin(&matrix) ? CHOLMOD_AMD : ordering_of(n);
     if (!system->factor) system->factor = cholmod_analyze(&matrix, &system->common);
     if (!system->factor) return solve_cholmod_failure(&system->common, n, err);
     solve_blas_enter();
