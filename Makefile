@@ -90,6 +90,7 @@ bench: $(BUILD)/pith-configured
 	$(BUILD)/pith bench procedural --csv > bench/results/procedural.csv
 	$(BUILD)/pith bench volume --json > bench/results/volume.json
 	$(BUILD)/pith bench atlas --json > bench/results/atlas.json
+	$(BUILD)/pith bench lines --json > bench/results/lines.json
 	$(BUILD)/pith bench diffusion --json > bench/results/diffusion.json
 
 gallery: editor $(BUILD)/pith-configured

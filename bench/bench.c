@@ -17,7 +17,9 @@ static const bench benches[] = {
     { "volume", "translucent pictures of a fibrous tube", bench_volume },
     { "procedural", "noise and the functions on it: points per second on one core", bench_procedural },
     { "atlas", "texture atlases of shipped models: texels a second, charts, use of the atlas", bench_atlas },
+    { "lines", "lines over pictures of shipped models, beside the pictures", bench_lines },
     { "diffusion", "colours between surfaces, by rays and by walks: points per second and errors", bench_diffusion },
+    { "sketch_surface", "grains, painting and erasing: seconds over sizes", bench_sketch_surface },
 };
 enum { BENCH_COUNT = sizeof benches / sizeof *benches };
 
@@ -155,7 +157,7 @@ int verb_bench(int argc, char **argv)
         { "csv", 0, CLI_SWITCH, &csv, NULL, "print CSV, as kept in bench/results", 0, 0, NULL },
     };
     cli_line line = {
-        .verb = "bench", .words = "lapped|fields|render|cut|layers|blend|volume|procedural|atlas|diffusion",
+        .verb = "bench", .words = "lapped|fields|render|cut|layers|blend|volume|procedural|atlas|lines|diffusion",
         .least_words = 1, .most_words = 1,
         .flags = flags, .flag_count = sizeof flags / sizeof *flags,
         .summary = "Measures. Each case has times (least and median of repeated runs), a figure of quality beside them, and\n"

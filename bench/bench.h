@@ -14,7 +14,7 @@ typedef struct bench_options {
 /* Appends cases {"name": …, measures…} to the list. */
 typedef pith_status bench_run(const bench_options *options, json_t *cases, pith_error *err);
 bench_run bench_lapped, bench_fields, bench_render, bench_volume, bench_cut, bench_layers, bench_blend,
-    bench_procedural, bench_atlas, bench_diffusion;
+    bench_procedural, bench_atlas, bench_diffusion, bench_lines, bench_sketch_surface;
 
 /* Accuracy of orientations recovered from strokes; part of bench_fields. */
 bench_run bench_orientation;

@@ -1,4 +1,4 @@
-// pith-tetgen: fills one closed surface with tetrahedra and ends.
+// pith-tetgen: fills one closed surface, or all between facets inside one, with tetrahedra and ends.
 //
 // TetGen (Si, "TetGen, a Delaunay-Based Quality Tetrahedral Mesh Generator", ACM TOMS 41(2), 2015) ends the process on
 // every error, is not thread-safe and is under the AGPL; so it lives here, behind one socket on descriptor 0 (see
@@ -82,7 +82,7 @@ void shut_off()
 
 struct job {
     pith_tetgen_request request;
-    std::vector<double> points, interior;
+    std::vector<double> points, interior, sizes;
     std::vector<uint32_t> triangles;
 };
 
@@ -97,9 +97,11 @@ bool read_job(job *j)
     j->points.resize(3 * size_t(r.point_count));
     j->interior.resize(3 * size_t(r.interior_count));
     j->triangles.resize(3 * size_t(r.triangle_count));
+    j->sizes.resize(r.conform ? size_t(r.point_count) : 0);
     if (!read_all(j->points.data(), j->points.size() * sizeof(double)) ||
         !read_all(j->interior.data(), j->interior.size() * sizeof(double)) ||
-        !read_all(j->triangles.data(), j->triangles.size() * sizeof(uint32_t)))
+        !read_all(j->triangles.data(), j->triangles.size() * sizeof(uint32_t)) ||
+        !read_all(j->sizes.data(), j->sizes.size() * sizeof(double)))
         return false;
     for (uint32_t v : j->triangles)
         if (v >= r.point_count) return false;
@@ -156,6 +158,34 @@ void mesh(const job &j, tetgenio *out)
     tetrahedralize(switches, &in, out, j.request.interior_count > 0 ? &extra : nullptr);
 }
 
+// q: radius / edge bound and 10 degrees of dihedral angle; M: every triangle stays a facet of its own, so that each piece
+// knows the one it comes from; m: sizes at the points, interpolated in between. Without Y facets may be cut: where they
+// are large, the tetrahedra on both sides could else not be small.
+void mesh_conforming(const job &j, tetgenio *out)
+{
+    tetgenio in;
+    fill_input(j, &in);
+    in.facetmarkerlist = new int[j.request.triangle_count];
+    for (uint32_t t = 0; t < j.request.triangle_count; ++t) in.facetmarkerlist[t] = static_cast<int>(t) + 1;
+    in.numberofpointmtrs = 1;
+    in.pointmtrlist = new double[j.sizes.size()];
+    for (size_t i = 0; i < j.sizes.size(); ++i) in.pointmtrlist[i] = j.sizes[i];
+    char switches[80];
+    snprintf(switches, sizeof switches, "pq%.6f/10MmQ", j.request.radius_edge);
+    tetrahedralize(switches, &in, out);
+}
+
+bool write_faces(const tetgenio &out)
+{
+    const uint32_t count = out.trifacelist && out.trifacemarkerlist ? static_cast<uint32_t>(out.numberoftrifaces) : 0;
+    std::vector<uint32_t> records(4 * size_t(count));
+    for (size_t f = 0; f < count; ++f) {
+        for (size_t k = 0; k < 3; ++k) records[4 * f + k] = static_cast<uint32_t>(out.trifacelist[3 * f + k]);
+        records[4 * f + 3] = static_cast<uint32_t>(out.trifacemarkerlist[f] - 1);
+    }
+    return write_all(&count, sizeof count) && write_all(records.data(), records.size() * sizeof(uint32_t));
+}
+
 } // namespace
 
 int main()
@@ -165,7 +195,8 @@ int main()
     if (!read_job(&j)) answer(PITH_TETGEN_BAD_REQUEST, 0);
     if (j.request.check_intersections) refuse_crossings(j);
     tetgenio *out = new tetgenio; // never freed, see answer()
-    mesh(j, out);
+    if (j.request.conform) mesh_conforming(j, out);
+    else mesh(j, out);
     if (out->numberoftetrahedra <= 0 || out->numberofcorners != 4) answer(PITH_TETGEN_EMPTY, 0);
 
     const pith_tetgen_reply reply = { PITH_TETGEN_MAGIC, PITH_TETGEN_DONE, 0,
@@ -173,6 +204,7 @@ int main()
                                       static_cast<uint32_t>(out->numberoftetrahedra) };
     const bool sent = write_all(&reply, sizeof reply) &&
                       write_all(out->pointlist, 3 * size_t(reply.point_count) * sizeof(double)) &&
-                      write_all(out->tetrahedronlist, 4 * size_t(reply.tet_count) * sizeof(int));
+                      write_all(out->tetrahedronlist, 4 * size_t(reply.tet_count) * sizeof(int)) &&
+                      (!j.request.conform || write_faces(*out));
     _exit(sent ? 0 : 1);
 }

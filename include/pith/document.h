@@ -11,7 +11,7 @@
 #include "pith/diffusion.h"
 #include "pith/exemplar.h"
 #include "pith/field.h"
-#include "pith/render.h"
+#include "pith/render_lines.h"
 #include "pith/solid.h"
 
 /* ---- documents ------------------------------------------------------------------------------------------------- */
@@ -58,6 +58,8 @@ size_t pith_document_bodies(const pith_document *document);
 const char *pith_document_body_name(const pith_document *document, size_t index);
 /** Is it seen through (has it "volume")? */
 bool pith_document_translucent(const pith_document *document);
+/** How lines are drawn over its pictures (has it "lines"?); NULL: none are. */
+const pith_line_options *pith_document_lines(const pith_document *document);
 /** The camera as the document states it. True when it has a place of its own; else it is to be fitted round what is seen
  *  (pith_camera_fit): target is then the origin and eye the direction. */
 bool pith_document_camera(const pith_document *document, pith_camera *camera);
@@ -174,6 +176,11 @@ pith_status pith_model_exemplar(pith_model *model, const pith_grid **exemplar, p
 /** The surfaces that the body's "surfaces" describe, in their order, where they stand. */
 pith_status pith_model_surfaces(pith_model *model, const pith_diffusion_surface **surfaces, size_t *count,
                                 pith_error *err);
+/** The diffusion that the body's solid asks, and how; PITH_BAD_DOCUMENT when it is of another kind. */
+pith_status pith_model_diffusion(pith_model *model, const pith_diffusion **diffusion,
+                                 const pith_diffusion_options **options, pith_error *err);
+/** pith_document_lines of its document. */
+const pith_line_options *pith_model_lines(const pith_model *model);
 /** The solid the model is made of. */
 pith_status pith_model_solid(pith_model *model, const pith_solid **solid, pith_error *err);
 /** Report of the fill; NULL when the solid is not lapped, or not asked for yet. */

@@ -12,19 +12,19 @@ typedef enum pith_part_type { PITH_PART_FLOAT, PITH_PART_DOUBLE, PITH_PART_WHOLE
  *  number that is none of those pith_mesh_read looks for. */
 typedef struct pith_part_values {
     const char *name;
-    uint32_t components;    /* 1..4; of a PLY 1 */
-    pith_part_type type;    /* in the file; whole numbers are only read, and doubles are floats in a GLB */
-    const double *values;   /* [vertex_count][components]; NaN where a primitive of a GLB's mesh lacks the attribute */
+    uint32_t components;  /* 1..4; of a PLY 1 */
+    pith_part_type type;  /* in the file; whole numbers are only read, and doubles are floats in a GLB */
+    const double *values; /* [vertex_count][components]; NaN where a primitive of a GLB's mesh lacks the attribute */
 } pith_part_values;
 
 typedef struct pith_part {
-    const char *name;       /* NULL: it has none */
+    const char *name; /* NULL: it has none */
     pith_mesh_view mesh;
     const pith_part_values *values; /* [value_count] */
     size_t value_count;
     const char *const *marks; /* [mark_count] words that are true of it */
     size_t mark_count;
-    double scale;           /* read: how many times longer its node has made lengths, which `values` know nothing of;
+    double scale; /* read: how many times longer its node has made lengths, which `values` know nothing of;
                                1 but in a GLB. Not written */
 } pith_part;
 

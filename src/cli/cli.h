@@ -164,6 +164,7 @@ int verb_render(int argc, char **argv);
 int verb_field(int argc, char **argv);
 int verb_bake(int argc, char **argv);
 int verb_surfaces(int argc, char **argv);
+int verb_section(int argc, char **argv);
 int verb_exemplar(int argc, char **argv);
 int verb_edit(int argc, char **argv);
 int verb_demo(int argc, char **argv);

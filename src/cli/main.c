@@ -23,6 +23,7 @@ static const verb verbs[] = {
     { "field", "show the fields: streamlines, arrows, layers, depth", verb_field },
     { "bake", "make a voxel grid, or a mesh with a texture atlas", verb_bake },
     { "surfaces", "list or write the surfaces that colours flow between", verb_surfaces },
+    { "section", "a cut through them as a mesh with their colours", verb_section },
     { "exemplar", "make an exemplar from a recipe", verb_exemplar },
     { "edit", "open a document in the browser: paint, draw, cut, and see", verb_edit },
     { "demo", "run the main job on two models and show what came out", verb_demo },

@@ -5,7 +5,7 @@ typedef struct render_flags {
     const char *out;
     cli_camera camera;
     cli_cut cut;
-    bool volume, surface;
+    bool volume, surface, lines, no_lines;
 } render_flags;
 
 static pith_status write_picture(pith_image *image, const char *out, pith_error *err)
@@ -49,7 +49,13 @@ static pith_status render_surface(const cli_model *opened, const cli_line *line,
     PITH_TRY(check_view(line, &camera, &box, aspect, err));
     pith_image *image = NULL;
     PITH_TRY(pith_render(items, count, &camera, &options, cli_progress(), &image, err));
-    return write_picture(image, asked->out, err);
+    const pith_line_options standard = pith_line_options_default(), *said = pith_document_lines(opened->document);
+    pith_status status = PITH_OK;
+    if ((said || asked->lines) && !asked->no_lines)
+        status = pith_render_lines(items, count, NULL, &camera, said ? said : &standard, cli_progress(), image, err);
+    if (status == PITH_OK) return write_picture(image, asked->out, err);
+    pith_image_destroy(image);
+    return status;
 }
 
 static pith_status render_volume(const cli_model *opened, const cli_line *line, const render_flags *asked,
@@ -97,6 +103,7 @@ static int check_flags(const cli_line *line, const render_flags *asked)
     if (!out || !cli_is_picture(out))
         return cli_misuse("render", "expected -o FILE ending in .png, .jpg or .exr%s%s", out ? ", got " : "",
                           out ? out : "");
+    if (asked->lines && asked->no_lines) return cli_misuse("render", "--lines and --no-lines exclude one another");
     if (asked->volume && asked->surface) return cli_misuse("render", "--volume and --surface exclude one another");
     int code = cli_check_camera("render", &asked->camera);
     if (code == CLI_GO_ON) code = cli_check_cut(line, &asked->cut);
@@ -116,6 +123,9 @@ int verb_render(int argc, char **argv)
           0, 0, NULL },
         { "surface", 0, CLI_SWITCH, &asked.surface, NULL, "look at its surfaces, though the document is translucent", 0,
           0, NULL },
+        { "lines", 0, CLI_SWITCH, &asked.lines, NULL, "draw lines over the picture, as the document's \"lines\" say or "
+          "in the standard way", 0, 0, NULL },
+        { "no-lines", 0, CLI_SWITCH, &asked.no_lines, NULL, "draw none, though the document has \"lines\"", 0, 0, NULL },
         { "no-displacement", 0, CLI_SWITCH, &common.no_displacement, NULL,
           "leave the skin where it is, whatever the document says", 0, 0, NULL },
         CLI_THREADS_FLAG(common),

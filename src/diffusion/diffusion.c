@@ -1,5 +1,5 @@
 /* Asking for colours: options, the order of points, threads, and the solid. */
-#include "diffusion_internal.h"
+#include "poisson_internal.h"
 
 #include <omp.h>
 #include <stdlib.h>
@@ -9,19 +9,25 @@
 
 /* ---- options ----------------------------------------------------------------------------------------------------------- */
 
-static const char *const methods[] = { "pmvc", "wos", NULL };
+static const char *const methods[] = { "pmvc", "wos", "poisson", NULL };
 
 #define AT(field) offsetof(pith_diffusion_options, field)
 
 static const pith_param items[] = {
-    { "method", "1", "how colours flow: pmvc is fast and smooth, wos is harmonic and slow", PITH_PARAM_CHOICE, 0, 0, 1,
-      AT(method), methods },
+    { "method", "1", "how colours flow: pmvc is fast and smooth, wos harmonic and slow, poisson harmonic and prepared",
+      PITH_PARAM_CHOICE, 0, 0, 2, AT(method), methods },
     { "rays", "1", "pmvc: rays from each point; more are more exact", PITH_PARAM_UINT, 8, 256, 1 << 24, AT(rays),
       NULL },
     { "walks", "1", "wos: walks from each point; more are less noisy", PITH_PARAM_UINT, 1, 256, 1 << 24, AT(walks),
       NULL },
     { "shell", "radii", "wos: how near to a surface a walk ends; less is more exact", PITH_PARAM_DOUBLE, 1e-6, 1e-4,
       0.1, AT(shell), NULL },
+    { "edge", "radii", "poisson: wanted length of the tetrahedra's edges; less is more exact, and takes more memory",
+      PITH_PARAM_DOUBLE, 1e-3, 0.06, 1.0, AT(edge), NULL },
+    { "time_limit", "s", "poisson: seconds that making tetrahedra may take", PITH_PARAM_DOUBLE, 0.01, 300, 86400,
+      AT(time_limit), NULL },
+    { "memory_limit", "MiB", "poisson: memory that making tetrahedra may use", PITH_PARAM_DOUBLE, 16, 8192, 1048576,
+      AT(memory_limit), NULL },
     { "seed", "1", "turns the directions of rays, chooses the walks", PITH_PARAM_SEED, 0, 0, 9007199254740992.0,
       AT(seed), NULL },
 };
@@ -38,11 +44,44 @@ pith_diffusion_options pith_diffusion_options_default(void)
 
 /* ---- a method made ready -------------------------------------------------------------------------------------------------- */
 
+static pith_status check_prepared(const pith_diffusion *diffusion, double edge, pith_error *err)
+{
+    if (!diffusion->poisson)
+        return pith_fail(err, PITH_BAD_ARGUMENT,
+                         "the diffusion surfaces are not prepared for the method poisson; pith_diffusion_prepare comes "
+                         "first");
+    if (diffusion->poisson->edge != edge)
+        return pith_fail(
+            err, PITH_BAD_ARGUMENT,
+            "the diffusion surfaces are prepared for tetrahedra with edges of %g radii, not %g; prepare them "
+            "again",
+            diffusion->poisson->edge, edge);
+    return PITH_OK;
+}
+
+pith_status pith_diffusion_prepare(pith_diffusion *diffusion, const pith_diffusion_options *options,
+                                   const pith_progress *progress, pith_diffusion_report *report, pith_error *err)
+{
+    if (!diffusion || !options)
+        return pith_fail(err, PITH_BAD_ARGUMENT, "pith_diffusion_prepare: diffusion and options must not be NULL");
+    PITH_TRY(pith_params_check(&pith_diffusion_params, options, err));
+    pith_diffusion_report told = { 0 };
+    if (options->method == PITH_DIFFUSION_POISSON) {
+        poisson *made = NULL;
+        PITH_TRY(poisson_create(diffusion, options, progress, &made, &told, err));
+        poisson_destroy(diffusion->poisson);
+        diffusion->poisson = made;
+    }
+    if (report) *report = told;
+    return PITH_OK;
+}
+
 static pith_status asker_make(const pith_diffusion *diffusion, const pith_diffusion_options *options, asker *made,
                               pith_error *err)
 {
     PITH_TRY(pith_params_check(&pith_diffusion_params, options, err));
     *made = (asker){ .diffusion = diffusion, .options = *options };
+    if (options->method == PITH_DIFFUSION_POISSON) return check_prepared(diffusion, options->edge, err);
     const uint32_t count = options->method == PITH_DIFFUSION_PMVC ? options->rays : options->walks;
     return directions_make(count, options->seed, &made->directions, err);
 }
@@ -51,6 +90,8 @@ static void answer(const asker *with, const pith_vec3 *points, const uint32_t *o
 {
     if (with->options.method == PITH_DIFFUSION_PMVC)
         pmvc_answer(with, points, order, count, colours);
+    else if (with->options.method == PITH_DIFFUSION_POISSON)
+        poisson_answer(with, points, order, count, colours);
     else
         walks_answer(with, points, order, count, colours);
 }

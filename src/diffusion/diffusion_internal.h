@@ -1,4 +1,5 @@
-/* What the files of the room share: the sheets that rays meet, the scene they stand in, and the two ways to a colour. */
+/* What the files of the room share: the sheets that rays meet, the scene they stand in, and the three ways to a
+   colour. */
 #ifndef PITH_DIFFUSION_INTERNAL_H
 #define PITH_DIFFUSION_INTERNAL_H
 
@@ -44,13 +45,24 @@ typedef struct placed_triangle {
     double offset;
 } placed_triangle;
 
+/* Where the sheets of a surface begin, and how messages call it. */
+typedef struct surface_place {
+    uint32_t first_triangle;
+    char title[SURFACE_TITLE];
+} surface_place;
+
+typedef struct poisson poisson;
+
 struct pith_diffusion {
     sheets sheets;
+    surface_place *surfaces; /* [surface_count + 1]; the last is behind all */
+    size_t surface_count;
     placed_triangle *placed; /* [triangle_count] */
     RTCDevice device;
     RTCScene scene;
     pith_vec3 centre;
-    double scale; /* scene = (model - centre) * scale; the sheets lie in the unit ball */
+    double scale;     /* scene = (model - centre) * scale; the sheets lie in the unit ball */
+    poisson *poisson; /* NULL: not prepared */
 };
 
 /* Points farther from the middle than this, in radii, see nothing. */
@@ -75,8 +87,16 @@ typedef struct nearest_sheet {
 /* Nearest point when it is within `reach` of p, scene units. When none is, the answer is some point farther away or the
    triangle PITH_NONE. Double precision; of triangles at the same distance the lowest. */
 nearest_sheet scene_nearest(const pith_diffusion *diffusion, pith_vec3 p, double reach);
+/* Whether something in that direction from the nearest point, or next to it, lies on the back of the sheet. */
+bool nearest_sheet_behind(const pith_diffusion *diffusion, const nearest_sheet *near, pith_vec3 direction);
+/* The colour of a side of a sheet triangle at a place in it. */
+static inline paint sheet_colour(const pith_diffusion *diffusion, uint32_t triangle, bool back, const double weights[3])
+{
+    const side_paint *side = &diffusion->sheets.sides[triangle][back];
+    return side->a + (float)weights[1] * side->to_b + (float)weights[2] * side->to_c;
+}
 
-/* ---- pmvc.c, walks.c: the ways to a colour -------------------------------------------------------------------------- */
+/* ---- pmvc.c, walks.c, poisson.c: the ways to a colour -------------------------------------------------------------------------- */
 
 /* Sum of weighted colours as seen from one point. Everything is measured from the first colour seen, so that where all
    are the same the mean is exactly that. */
@@ -110,7 +130,14 @@ enum { PACKET = 8 };
 /* Answers points[order[0 .. count)] into colours at the same places. Allocates
    nothing. */
 void pmvc_answer(const asker *with, const pith_vec3 *points, const uint32_t *order, size_t count, float (*colours)[4]);
+void poisson_answer(const asker *with, const pith_vec3 *points, const uint32_t *order, size_t count,
+                    float (*colours)[4]);
 void walks_answer(const asker *with, const pith_vec3 *points, const uint32_t *order, size_t count, float (*colours)[4]);
+/* What poisson_answer needs; the report must be given. */
+pith_status poisson_create(const pith_diffusion *diffusion, const pith_diffusion_options *options,
+                           const pith_progress *progress, poisson **created, pith_diffusion_report *report,
+                           pith_error *err);
+void poisson_destroy(poisson *gone);
 /* One point, ray by ray, in double precision: what pmvc_answer is tested against. */
 void pmvc_plain(const asker *with, pith_vec3 point, float colour[4]);
 

@@ -96,8 +96,14 @@ pith_status pith_diffusion_create(const pith_diffusion_surface *surfaces, size_t
         return pith_fail(err, PITH_BAD_ARGUMENT, "there is no diffusion surface, so there is no colour to flow");
     pith_diffusion *made = pith_alloc(1, sizeof *made);
     if (!made) return PITH_OUT_OF_MEMORY(err, "diffusion surfaces");
-    pith_status status = PITH_OK;
-    for (size_t i = 0; status == PITH_OK && i < count; ++i) status = sheets_add(&made->sheets, &surfaces[i], i, err);
+    made->surfaces = pith_alloc(count + 1, sizeof *made->surfaces);
+    made->surface_count = count;
+    pith_status status = made->surfaces ? PITH_OK : PITH_OUT_OF_MEMORY(err, "diffusion surfaces");
+    for (size_t i = 0; status == PITH_OK && i < count; ++i) {
+        surface_title(&surfaces[i], i, made->surfaces[i].title);
+        status = sheets_add(&made->sheets, &surfaces[i], i, err);
+        made->surfaces[i + 1].first_triangle = made->sheets.triangle_count;
+    }
     if (status == PITH_OK) {
         find_frame(made);
         status = place_triangles(made, err);
@@ -118,6 +124,8 @@ void pith_diffusion_destroy(pith_diffusion *diffusion)
     if (diffusion->device) rtcReleaseDevice(diffusion->device);
     sheets_free(&diffusion->sheets);
     pith_free(diffusion->placed);
+    pith_free(diffusion->surfaces);
+    poisson_destroy(diffusion->poisson);
     pith_free(diffusion);
 }
 
@@ -165,4 +173,25 @@ nearest_sheet scene_nearest(const pith_diffusion *diffusion, pith_vec3 p, double
     rtcInitPointQueryContext(&context);
     rtcPointQuery(diffusion->scene, &probe, &context, visit_triangle, &query);
     return query.best;
+}
+
+/* The normal that tells the sides apart: of the face, the edge or the corner that the nearest point is on (Bærentzen and
+   Aanæs, "Signed distance computation using the angle weighted pseudonormal", 2005). */
+static pith_vec3 telling_normal(const sheets *all, const nearest_sheet *near)
+{
+    const uint32_t *c = all->triangles[near->triangle];
+    int zeros = 0, zero = 0, whole = 0;
+    for (int k = 0; k < 3; ++k) {
+        if (near->weights[k] == 0.0) ++zeros, zero = k;
+        if (near->weights[k] != 0.0) whole = k;
+    }
+    if (zeros == 2) return all->normals[c[whole]];
+    if (zeros == 1) return all->edge_normals[near->triangle][(zero + 1) % 3];
+    const pith_vec3 a = all->positions[c[0]];
+    return pith_cross(pith_sub(all->positions[c[1]], a), pith_sub(all->positions[c[2]], a));
+}
+
+bool nearest_sheet_behind(const pith_diffusion *diffusion, const nearest_sheet *near, pith_vec3 direction)
+{
+    return pith_dot(telling_normal(&diffusion->sheets, near), direction) < 0.0;
 }

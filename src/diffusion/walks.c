@@ -8,27 +8,10 @@
 
 enum { MOST_STEPS = 10000 }; /* of one walk, which then takes the nearest colour; a hundred are rare */
 
-/* The normal that tells the sides apart: of the face, the edge or the corner that the nearest point is on (Bærentzen and
-   Aanæs, "Signed distance computation using the angle weighted pseudonormal", 2005). */
-static pith_vec3 telling_normal(const sheets *all, const nearest_sheet *near)
+static void add_arrival(const pith_diffusion *diffusion, const nearest_sheet *near, pith_vec3 from, colour_sum *sum)
 {
-    const uint32_t *c = all->triangles[near->triangle];
-    int zeros = 0, zero = 0, whole = 0;
-    for (int k = 0; k < 3; ++k) {
-        if (near->weights[k] == 0.0) ++zeros, zero = k;
-        if (near->weights[k] != 0.0) whole = k;
-    }
-    if (zeros == 2) return all->normals[c[whole]];
-    if (zeros == 1) return all->edge_normals[near->triangle][(zero + 1) % 3];
-    const pith_vec3 a = all->positions[c[0]];
-    return pith_cross(pith_sub(all->positions[c[1]], a), pith_sub(all->positions[c[2]], a));
-}
-
-static void add_arrival(const sheets *all, const nearest_sheet *near, pith_vec3 from, colour_sum *sum)
-{
-    const bool back = pith_dot(telling_normal(all, near), pith_sub(from, near->point)) < 0.0;
-    const side_paint *side = &all->sides[near->triangle][back];
-    const paint colour = side->a + (float)near->weights[1] * side->to_b + (float)near->weights[2] * side->to_c;
+    const bool back = nearest_sheet_behind(diffusion, near, pith_sub(from, near->point));
+    const paint colour = sheet_colour(diffusion, near->triangle, back, near->weights);
     if (!sum->any) {
         sum->any = true;
         sum->first = colour;
@@ -65,7 +48,7 @@ static void walk(const asker *with, pith_vec3 x, double reach, pith_rng *rng, co
         const nearest_sheet near = scene_nearest(with->diffusion, x, reach);
         if (near.triangle == PITH_NONE) return; /* rounding alone can bring this about */
         if (near.distance < with->options.shell || step == MOST_STEPS) {
-            add_arrival(&with->diffusion->sheets, &near, x, sum);
+            add_arrival(with->diffusion, &near, x, sum);
             return;
         }
         x = pith_madd(x, pith_rng_direction(rng), near.distance);
@@ -82,7 +65,7 @@ static void answer_point(const asker *with, pith_vec3 point, float colour[4])
     nearest_sheet near = { .distance = 0.0 };
     if (inside) near = scene_nearest(with->diffusion, p, 1.0 + pith_length(p));
     if (inside && near.distance < with->options.shell) {
-        add_arrival(&with->diffusion->sheets, &near, p, &sum);
+        add_arrival(with->diffusion, &near, p, &sum);
     } else if (diffusion_reaches(p)) {
         const uint64_t seed = pith_hash_bytes(&point, sizeof point, with->options.seed);
         for (uint32_t i = 0; i < with->directions.count; ++i) {

@@ -221,6 +221,19 @@ static pith_status build_parts(pith_document *made, reader *in, const json_t *li
     return PITH_OK;
 }
 
+static void build_lines(pith_document *made, const json_t *from)
+{
+    const json_t *colour = json_object_get(from, "colour");
+    made->drawn = from != NULL;
+    json_options(from, &pith_line_params, &made->lines);
+    if (!colour) return;
+    float rgb[3];
+    json_colour(colour, rgb);
+    made->lines.red = pith_srgb_encode(rgb[0]);
+    made->lines.green = pith_srgb_encode(rgb[1]);
+    made->lines.blue = pith_srgb_encode(rgb[2]);
+}
+
 static pith_status build_volume(pith_document *made, reader *in, const json_t *from)
 {
     made->translucent = from != NULL;
@@ -290,6 +303,7 @@ static pith_status fill_document(pith_document *made, const char *path, const ch
     PITH_TRY(build_parts(made, &in, json_object_get(root, "parts")));
     PITH_TRY(build_camera(made, &in, json_object_get(root, "camera")));
     json_options(json_object_get(root, "render"), &pith_render_params, &made->render);
+    build_lines(made, json_object_get(root, "lines"));
     PITH_TRY(build_volume(made, &in, json_object_get(root, "volume")));
     return strokes_check(made, &in);
 }
@@ -377,6 +391,11 @@ const char *pith_document_body_name(const pith_document *document, size_t index)
 }
 
 bool pith_document_translucent(const pith_document *document) { return document->translucent; }
+
+const pith_line_options *pith_document_lines(const pith_document *document)
+{
+    return document->drawn ? &document->lines : NULL;
+}
 
 bool pith_document_camera(const pith_document *document, pith_camera *camera)
 {

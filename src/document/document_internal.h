@@ -359,6 +359,8 @@ struct pith_document {
     size_t part_count;
     document_camera camera;
     pith_render_options render;
+    bool drawn;
+    pith_line_options lines;
     bool translucent;
     pith_volume_options volume;
     pith_transfer_point *transfer;  /* [transfer_count]; none: the solid's own colours */

@@ -139,7 +139,7 @@ const pith_params *document_tables[MOST_TABLES] = {
     &pith_placement_params, &document_finish_params, &document_map_stop_params, &document_wave_params,
     &pith_sketch_params, &pith_variation_params, &document_reference_params, &pith_feature_params, &document_look_params,
     &pith_brush_params, &document_paint_params, &document_erase_params, &pith_grains_params, &document_grain_params,
-    &pith_diffusion_params, &pith_detail_params, &document_weight_params,
+    &pith_diffusion_params, &pith_line_params, &pith_detail_params, &document_weight_params,
 };
 
 const pith_params *const *pith_document_tables(void) { return document_tables; }
@@ -363,6 +363,10 @@ static const grammar camera = {
 static const grammar render = {
     "render", "How pictures are made.", NULL, 0, &pith_render_params, NULL, NULL,
 };
+static const grammar lines = {
+    "lines", "A drawing over pictures of surfaces: outlines, rims, creases and steps of colour as brush strokes.",
+    KEYS({ "colour", VALUE_COLOUR, "of the brush, instead of red, green and blue", NULL }), &pith_line_params, NULL, NULL,
+};
 static const grammar transfer = {
     "transfer", "The colour and opacity of a value; between values both are blended.",
     KEYS({ "colour", VALUE_COLOUR, "the colour there", NULL }),
@@ -405,6 +409,7 @@ const grammar grammar_document = {
          { "camera", VALUE_OBJECT, "where pictures are taken from; default: fitted from the front, right and above",
            &camera },
          { "render", VALUE_OBJECT, "how pictures are made", &render },
+         { "lines", VALUE_OBJECT, "a drawing over pictures; left out: none", &lines },
          { "volume", VALUE_OBJECT, "how translucent pictures are made; with it the model is seen through", &volume }),
     NULL, NAMES("pith"), NAMES("shape", "bodies"),
 };

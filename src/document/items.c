@@ -225,6 +225,8 @@ pith_status pith_model_camera(pith_model *model, double aspect, pith_camera *cam
     return camera_for(model, &box, aspect, camera, err);
 }
 
+const pith_line_options *pith_model_lines(const pith_model *model) { return pith_document_lines(model->document); }
+
 pith_status pith_model_view(pith_model *model, pith_camera *camera, pith_render_options *options, pith_error *err)
 {
     const pith_render_options asked = model->document->render;

@@ -368,12 +368,28 @@ static pith_status build_diffusion(pith_model *model, const document_solid *from
         PITH_TRY(pith_model_surfaces(model, NULL, NULL, err));
         const double start = pith_seconds();
         status = surfaces_diffusion(model, from, &diffusion, err);
+        if (status == PITH_OK) status = pith_diffusion_prepare(diffusion, &from->diffusion, model->progress, NULL, err);
         if (status == PITH_OK) PITH_TRY(model_hold(model, STAGE_DIFFUSION, diffusion, err));
+        else pith_diffusion_destroy(diffusion);
         model_took(model, offsetof(pith_model_times, fill), start);
     }
     if (status == PITH_OK) status = pith_solid_diffusion(model->diffusion, &from->diffusion, &made, err);
     if (status != PITH_OK) return solid_fail(model, status, "", err);
     return model_hold_on(model, STAGE_SOLID, made, STAGE_DIFFUSION, err);
+}
+
+pith_status pith_model_diffusion(pith_model *model, const pith_diffusion **diffusion,
+                                 const pith_diffusion_options **options, pith_error *err)
+{
+    const document_solid *chosen = NULL;
+    PITH_TRY(chosen_solid(model, &chosen, err));
+    if (chosen->kind != SOLID_DIFFUSION)
+        return pith_fail(err, PITH_BAD_DOCUMENT, "%s: %ssolids[%zu]: \"%s\" is of another kind than \"diffusion\"",
+                         model->document->path, model->body->place, model->body->solid, chosen->name);
+    PITH_TRY(pith_model_solid(model, NULL, err));
+    *diffusion = model->diffusion;
+    *options = &chosen->diffusion;
+    return PITH_OK;
 }
 
 static pith_status build_combined(pith_model *model, const document_solid *from, pith_error *err)

@@ -213,6 +213,9 @@ static pith_status hash_surfaces(const document_body *body, uint64_t *hash, pith
 static uint64_t hash_diffusion(const document_solid *solid, uint64_t hash)
 {
     hash = pith_hash_bytes(solid->surfaces, solid->surface_count * sizeof *solid->surfaces, hash);
+    /* Preparing changes the diffusion: those that are prepared in different ways are different ones. */
+    if (solid->diffusion.method == PITH_DIFFUSION_POISSON)
+        hash = hash_options(&pith_diffusion_params, &solid->diffusion, hash);
     return pith_mix64(hash);
 }
 

@@ -41,7 +41,7 @@ pith_status render_job_run(const render_job *job, const pith_progress *progress,
     const uint32_t wide = (image->width + RENDER_TILE - 1) / RENDER_TILE;
     const uint32_t tiles = wide * ((image->height + RENDER_TILE - 1) / RENDER_TILE), step = 16 * (uint32_t)threads;
     for (uint32_t first = 0; first < tiles; first += step) {
-        PITH_TRY_OR(done, pith_progress_step(progress, (double)first / tiles, "rendering", err));
+        PITH_TRY_OR(done, pith_progress_step(progress, (double)first / tiles, job->what, err));
         const uint32_t end = tiles - first < step ? tiles : first + step;
         PITH_TRY_OR(done, run_tiles(job, scratch, wide, first, end, threads, image, err));
     }
@@ -63,7 +63,7 @@ pith_status pith_render(const pith_render_item *items, size_t count, const pith_
     PITH_TRY(render_scene_make(&scene, items, count, camera, options, err));
     pith_image *made = NULL;
     pith_status status = pith_image_create(options->width, options->height, 4, &made, err);
-    const render_job job = { &scene, render_scratch_new, render_scratch_free, render_tile };
+    const render_job job = { &scene, render_scratch_new, render_scratch_free, render_tile, "rendering" };
     if (status == PITH_OK) status = render_job_run(&job, progress, made, err);
     render_scene_free(&scene);
     if (status == PITH_OK) *image = made;

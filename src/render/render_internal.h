@@ -78,9 +78,10 @@ typedef struct render_job {
     void (*scratch_free)(void *scratch);
     pith_status (*tile)(const void *scene, void *scratch, uint32_t tile_x, uint32_t tile_y, pith_image *image,
                         pith_error *err);
+    const char *what;   /* for the progress */
 } render_job;
 
-/* Tiles in parallel, progress between groups of them. */
+/* Tiles in parallel, progress between groups of them. Of the image its size is looked at, the tiles fill it. */
 pith_status render_job_run(const render_job *job, const pith_progress *progress, pith_image *image, pith_error *err);
 
 /* Of pith_render; the scene is a render_scene. */

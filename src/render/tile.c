@@ -97,8 +97,7 @@ static stretch start_path(const render_scene *scene, const path *p, uint32_t ind
     };
 }
 
-/* First hits of the active rays. */
-static void trace(const render_scene *scene, render_scratch *s, size_t active)
+void render_trace(const render_scene *scene, render_scratch *s, size_t active)
 {
     size_t count = 0;
     for (size_t i = 0; i < active; ++i) {
@@ -227,7 +226,7 @@ static pith_status run_batch(const render_scene *scene, render_scratch *s, size_
         const size_t active = s->waiting_count < RENDER_BATCH ? s->waiting_count : RENDER_BATCH;
         s->waiting_count -= active;
         memcpy(s->active, s->waiting + s->waiting_count, active * sizeof *s->active);
-        trace(scene, s, active);
+        render_trace(scene, s, active);
         PITH_TRY(render_find_places(scene, s, active, err));
         render_find_light(scene, s, active);
         PITH_TRY(compose(scene, s, active, err));

@@ -54,6 +54,8 @@ typedef struct render_scratch {
 
 /* Whether a ray can meet the sphere round everything; most of floor and background is done with here. */
 bool render_near(const render_scene *scene, const pith_ray *ray);
+/* First hits of the active stretches. */
+void render_trace(const render_scene *scene, render_scratch *s, size_t active);
 
 /* ---- tile_places.c ---------------------------------------------------------------------------------------------- */
 

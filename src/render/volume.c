@@ -221,7 +221,7 @@ pith_status pith_render_volume(const pith_volume_item *items, size_t count, cons
     PITH_TRY(volume_scene_make(&scene, items, count, camera, err));
     pith_image *made = NULL;
     pith_status status = pith_image_create(options->width, options->height, 4, &made, err);
-    const render_job job = { &scene, volume_scratch_new, volume_scratch_free, volume_tile };
+    const render_job job = { &scene, volume_scratch_new, volume_scratch_free, volume_tile, "rendering" };
     if (status == PITH_OK) status = render_job_run(&job, progress, made, err);
     volume_scene_free(&scene);
     if (status == PITH_OK) *image = made;

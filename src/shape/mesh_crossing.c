@@ -1,6 +1,7 @@
 /* Self-intersections: pairs of triangles that meet elsewhere than in what they share. Candidates come from the tree of
    boxes, decisions from exact predicates, so that neither touching neighbours nor flat regions raise false alarms. */
 #include "mesh_internal.h"
+#include "pith/shape_conform.h"
 
 #include <string.h>
 
@@ -247,7 +248,7 @@ static void mark_flat(const pith_mesh_view *view, bool *flat)
 enum { BLOCK = 4096 }; /* triangles between two looks at the limit */
 
 pith_status mesh_count_crossings(const pith_mesh_view *view, const mesh_tree *tree, uint32_t *count, pith_vec3 *at,
-                                 pith_error *err)
+                                 uint32_t pair[2], pith_error *err)
 {
     uint32_t counts[BLOCK], partners[BLOCK], total = 0;
     bool *flat = pith_alloc(view->triangle_count, sizeof *flat);
@@ -261,11 +262,31 @@ pith_status mesh_count_crossings(const pith_mesh_view *view, const mesh_tree *tr
             if (!flat[first + i]) counts[i] = crossings_of(view, tree, flat, (uint32_t)first + i, &partners[i]);
         }
         for (uint32_t i = 0; i < block; ++i) {
-            if (total == 0 && counts[i] > 0) *at = meeting_place(view, (uint32_t)first + i, partners[i]);
+            if (total == 0 && counts[i] > 0) {
+                *at = meeting_place(view, (uint32_t)first + i, partners[i]);
+                if (pair) pair[0] = (uint32_t)first + i, pair[1] = partners[i];
+            }
             total = total + counts[i] < MESH_CROSSING_LIMIT ? total + counts[i] : MESH_CROSSING_LIMIT;
         }
     }
     pith_free(flat);
     *count = total;
+    return PITH_OK;
+}
+
+pith_status pith_mesh_crossing(const pith_mesh_view *mesh, uint32_t pair[2], pith_vec3 *at, pith_error *err)
+{
+    if (!mesh || !pair || !at) return pith_fail(err, PITH_BAD_ARGUMENT, "pith_mesh_crossing: a pointer is NULL");
+    PITH_TRY(mesh_check(mesh, "pith_mesh_crossing", err));
+    mesh_tree tree = { 0 };
+    uint32_t count = 0, found[2] = { PITH_NONE, PITH_NONE };
+    pith_vec3 place = { 0, 0, 0 };
+    pith_status status = mesh_tree_build(mesh, &tree, err);
+    if (status == PITH_OK && mesh->triangle_count > 0)
+        status = mesh_count_crossings(mesh, &tree, &count, &place, found, err);
+    mesh_tree_free(&tree);
+    if (status != PITH_OK) return status;
+    memcpy(pair, found, sizeof found);
+    *at = place;
     return PITH_OK;
 }

@@ -211,6 +211,8 @@ void mesh_stab_clear(mesh_stab *stab);
 int mesh_orient3d(pith_vec3 a, pith_vec3 b, pith_vec3 c, pith_vec3 d);
 /* Sign of (b - a) x (c - a) in the plane left when `axis` (0, 1, 2) is dropped, exact. */
 int mesh_orient2d(pith_vec3 a, pith_vec3 b, pith_vec3 c, int axis);
+/* Sign of the component of (b - a) x (d - c) along `axis`, exact. */
+int mesh_cross_sign(pith_vec3 a, pith_vec3 b, pith_vec3 c, pith_vec3 d, int axis);
 
 /* ---- mesh_turn.c, mesh_measure.c: steps of cleaning -------------------------------------------------------------- */
 
@@ -224,8 +226,8 @@ pith_status mesh_measure_into(const pith_mesh *mesh, pith_mesh_report *report, p
 #define MESH_CROSSING_LIMIT 10000
 
 /* Pairs of triangles that meet elsewhere than in the vertices and edges they share; stops at the limit. `at` is one
-   place when the count is not 0. */
+   place when the count is not 0, and pair (may be NULL) the triangles there. */
 pith_status mesh_count_crossings(const pith_mesh_view *view, const mesh_tree *tree, uint32_t *count, pith_vec3 *at,
-                                 pith_error *err);
+                                 uint32_t pair[2], pith_error *err);
 
 #endif

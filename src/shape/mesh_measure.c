@@ -30,7 +30,7 @@ pith_status mesh_measure_into(const pith_mesh *mesh, pith_mesh_report *report, p
     uint32_t crossings = 0;
     pith_vec3 crossing_at = { 0 };
     PITH_TRY(mesh_tree_build(&view, &tree, err));
-    const pith_status status = mesh_count_crossings(&view, &tree, &crossings, &crossing_at, err);
+    const pith_status status = mesh_count_crossings(&view, &tree, &crossings, &crossing_at, NULL, err);
     mesh_tree_free(&tree);
     if (status != PITH_OK) return status;
 

@@ -72,12 +72,15 @@ static int exact_minor(two a, two b, two c, two d, double *parts)
     return expansion_add_scaled(parts, n, c_parts, 2, -b.head);
 }
 
-int mesh_orient2d(pith_vec3 a, pith_vec3 b, pith_vec3 c, int axis)
+int mesh_orient2d(pith_vec3 a, pith_vec3 b, pith_vec3 c, int axis) { return mesh_cross_sign(a, b, a, c, axis); }
+
+int mesh_cross_sign(pith_vec3 a, pith_vec3 b, pith_vec3 c, pith_vec3 d, int axis)
 {
-    const double pa[3] = { a.x, a.y, a.z }, pb[3] = { b.x, b.y, b.z }, pc[3] = { c.x, c.y, c.z };
+    const double pa[3] = { a.x, a.y, a.z }, pb[3] = { b.x, b.y, b.z }, pc[3] = { c.x, c.y, c.z },
+                 pd[3] = { d.x, d.y, d.z };
     const int x = (axis + 1) % 3, y = (axis + 2) % 3;
     const two bx = two_difference(pb[x], pa[x]), by = two_difference(pb[y], pa[y]);
-    const two cx = two_difference(pc[x], pa[x]), cy = two_difference(pc[y], pa[y]);
+    const two cx = two_difference(pd[x], pc[x]), cy = two_difference(pd[y], pc[y]);
     const double left = bx.head * cy.head, right = by.head * cx.head, determinant = left - right;
     if (fabs(determinant) > 4.0 * HALF_ULP * (fabs(left) + fabs(right))) return sign_of(determinant);
     double parts[16];

@@ -200,22 +200,28 @@ static pith_status send_request(helper *h, const pith_tetgen_job *job, double sc
         .volume_bound = job->volume_bound * scale * scale * scale,
         .time_limit = job->time_limit,
         .memory_limit = job->memory_limit,
+        .conform = job->sizes != NULL,
     };
     pith_vec3 *points = scaled_points(job->surface.positions, job->surface.vertex_count, scale);
     pith_vec3 *interior = scaled_points(job->interior, job->interior_count, scale);
+    const size_t size_count = job->sizes ? job->surface.vertex_count : 0;
+    double *sizes = pith_alloc(size_count, sizeof *sizes);
     pith_status status = PITH_OK;
-    if (!points || !interior) {
+    if (!points || !interior || !sizes) {
         status = PITH_OUT_OF_MEMORY(err, "what TetGen is sent");
         goto done;
     }
+    for (size_t i = 0; i < size_count; ++i) sizes[i] = job->sizes[i] * scale;
     PITH_TRY_OR(done, send_part(h, &request, sizeof request, closed, err));
     PITH_TRY_OR(done, send_part(h, points, job->surface.vertex_count * sizeof *points, closed, err));
     PITH_TRY_OR(done, send_part(h, interior, job->interior_count * sizeof *interior, closed, err));
     PITH_TRY_OR(done, send_part(h, job->surface.triangles,
                                 job->surface.triangle_count * sizeof *job->surface.triangles, closed, err));
+    PITH_TRY_OR(done, send_part(h, sizes, size_count * sizeof *sizes, closed, err));
 done:
     pith_free(points);
     pith_free(interior);
+    pith_free(sizes);
     return status;
 }
 
@@ -241,8 +247,39 @@ static pith_status check_reply(const pith_tetgen_reply *reply, const pith_tetgen
     return PITH_OK;
 }
 
+/* The pieces of facets that a helper which was asked to conform sends last. */
+static pith_status receive_faces(helper *h, const pith_tetgen_job *job, uint32_t point_count, bool *closed,
+                                 pith_conforming *faces, pith_error *err)
+{
+    uint32_t count, (*records)[4];
+    PITH_TRY(transfer(h, &count, sizeof count, false, closed, err));
+    if (count > PITH_TETGEN_MOST || 16.0 * count > job->memory_limit * 1048576.0)
+        return pith_fail(err, PITH_EXTERNAL, "the mesher program announces %u faces, more than its memory limit can hold",
+                         count);
+    records = pith_alloc(count, sizeof *records);
+    faces->faces = pith_alloc(count, sizeof *faces->faces);
+    faces->facet = pith_alloc(count, sizeof *faces->facet);
+    faces->face_count = count;
+    pith_status status = PITH_OK;
+    if (!records || !faces->faces || !faces->facet) status = PITH_OUT_OF_MEMORY(err, "TetGen's faces");
+    if (status == PITH_OK) status = transfer(h, records, count * sizeof *records, false, closed, err);
+    for (uint32_t f = 0; status == PITH_OK && f < count; ++f) {
+        const uint32_t *r = records[f];
+        if (r[0] >= point_count || r[1] >= point_count || r[2] >= point_count || r[3] >= job->surface.triangle_count) {
+            status = pith_fail(err, PITH_EXTERNAL, "the mesher program says that face %u is a piece of triangle %u, which "
+                               "there is not", f, r[3]);
+            break;
+        }
+        memcpy(faces->faces[f], r, sizeof faces->faces[f]);
+        faces->facet[f] = r[3];
+    }
+    pith_free(records);
+    return status;
+}
+
+/* faces: to conform, else NULL. */
 static pith_status receive_reply(helper *h, const pith_tetgen_job *job, double scale, bool *closed, pith_tets **tets,
-                                 pith_error *err)
+                                 pith_conforming *faces, pith_error *err)
 {
     pith_tetgen_reply reply;
     PITH_TRY(transfer(h, &reply, sizeof reply, false, closed, err));
@@ -256,6 +293,7 @@ static pith_status receive_reply(helper *h, const pith_tetgen_job *job, double s
     }
     PITH_TRY_OR(fail, transfer(h, points, reply.point_count * sizeof *points, false, closed, err));
     PITH_TRY_OR(fail, transfer(h, corners, reply.tet_count * sizeof *corners, false, closed, err));
+    if (faces) PITH_TRY_OR(fail, receive_faces(h, job, reply.point_count, closed, faces, err));
     for (uint32_t i = 0; i < reply.point_count; ++i) points[i] = pith_scale(points[i], 1.0 / scale);
 
     /* The promise that surface vertices stay in place and in order is checked, not believed. */
@@ -272,8 +310,8 @@ fail:
     return status;
 }
 
-pith_status pith_tetgen_run(const char *program, const pith_tetgen_job *job, const pith_progress *progress,
-                            pith_tets **tets, pith_error *err)
+static pith_status converse(const char *program, const pith_tetgen_job *job, const pith_progress *progress,
+                            pith_tets **tets, pith_conforming *faces, pith_error *err)
 {
     if (job->surface.vertex_count > PITH_TETGEN_MOST || job->surface.triangle_count > PITH_TETGEN_MOST ||
         job->interior_count > PITH_TETGEN_MOST)
@@ -290,14 +328,30 @@ pith_status pith_tetgen_run(const char *program, const pith_tetgen_job *job, con
     helper h = { .progress = progress };
     PITH_TRY(start(program, job, &h, err));
     bool closed = false;
-    pith_tets *made = NULL;
     pith_status status = send_request(&h, job, scale, &closed, err);
     if (status == PITH_OK || closed) { /* a helper that hung up may have said why before */
         closed = false;
-        status = receive_reply(&h, job, scale, &closed, &made, err);
+        status = receive_reply(&h, job, scale, &closed, tets, faces, err);
     }
     const int how = finish(&h, closed);
-    if (closed) return explain_death(&h, how, err);
+    return closed ? explain_death(&h, how, err) : status;
+}
+
+pith_status pith_tetgen_run(const char *program, const pith_tetgen_job *job, const pith_progress *progress,
+                            pith_tets **tets, pith_error *err)
+{
+    pith_tets *made = NULL;
+    const pith_status status = converse(program, job, progress, &made, NULL, err);
     if (status == PITH_OK) *tets = made;
+    return status;
+}
+
+pith_status pith_tetgen_run_conform(const char *program, const pith_tetgen_job *job, const pith_progress *progress,
+                                    pith_conforming *made, pith_error *err)
+{
+    pith_conforming got = { 0 };
+    const pith_status status = converse(program, job, progress, &got.tets, &got, err);
+    if (status == PITH_OK) *made = got;
+    else pith_conforming_free(&got);
     return status;
 }

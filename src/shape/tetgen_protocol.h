@@ -6,7 +6,7 @@
 
 #include <stdint.h>
 
-#define PITH_TETGEN_MAGIC UINT64_C(0x3154455448544950) /* "PITHTET1" */
+#define PITH_TETGEN_MAGIC UINT64_C(0x3254455448544950) /* "PITHTET2" */
 /* TetGen counts in int; three corners and four corners of everything have to fit as well. */
 #define PITH_TETGEN_MOST UINT32_C(400000000)
 
@@ -15,7 +15,10 @@ typedef struct pith_tetgen_request {
     uint32_t point_count, triangle_count, interior_count, check_intersections;
     double radius_edge, volume_bound; /* volume_bound 0: none */
     double time_limit, memory_limit;  /* seconds, MiB */
-} pith_tetgen_request; /* then double points[point_count][3], double interior[..][3], uint32 triangles[..][3] */
+    uint32_t conform; /* 1: triangles are facets in the inside, too, and may be cut; sizes follow, and faces are replied */
+    uint32_t spare;
+} pith_tetgen_request; /* then double points[point_count][3], double interior[..][3], uint32 triangles[..][3], and to
+                          conform double sizes[point_count] */
 
 enum { PITH_TETGEN_DONE = 0, PITH_TETGEN_CROSSES = 1, PITH_TETGEN_EMPTY = 2, PITH_TETGEN_BAD_REQUEST = 3 };
 
@@ -24,6 +27,7 @@ typedef struct pith_tetgen_reply {
     uint32_t outcome;
     uint32_t crossing_count; /* triangles that cross others, for PITH_TETGEN_CROSSES */
     uint32_t point_count, tet_count;
-} pith_tetgen_reply; /* then double points[point_count][3], uint32 tets[tet_count][4] */
+} pith_tetgen_reply; /* then double points[point_count][3], uint32 tets[tet_count][4], and to conform uint32 face_count,
+                        uint32 faces[face_count][4]: three vertices, and the triangle it is a piece of */
 
 #endif

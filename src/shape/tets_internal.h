@@ -3,6 +3,7 @@
 #define PITH_TETS_INTERNAL_H
 
 #include "pith/shape.h"
+#include "pith/shape_conform.h"
 
 struct pith_tets {
     pith_vec3 *positions;       /* [vertex_count] */
@@ -77,6 +78,7 @@ typedef struct pith_tetgen_job {
     double radius_edge;                 /* q */
     double volume_bound;                /* a, model units cubed; 0: none */
     double time_limit, memory_limit;    /* seconds, MiB */
+    const double *sizes;                /* [surface.vertex_count] to conform: wanted lengths of edges, model units */
     bool check_intersections;           /* run TetGen's own test first (it crashes where that test finds something) */
 } pith_tetgen_job;
 
@@ -85,6 +87,10 @@ pith_status pith_tetgen_find(char *path, size_t capacity, pith_error *err);
 /* Runs the helper once. Every way it can fail or die gives a sentence; it is always reaped. */
 pith_status pith_tetgen_run(const char *program, const pith_tetgen_job *job, const pith_progress *progress,
                             pith_tets **tets, pith_error *err);
+
+/* The same for facets inside, which may be cut; job->sizes is given. */
+pith_status pith_tetgen_run_conform(const char *program, const pith_tetgen_job *job, const pith_progress *progress,
+                                    pith_conforming *made, pith_error *err);
 
 /* Isosurface stuffing of the region where the winding number is above one half, on a lattice of that spacing. */
 pith_status pith_stuffing_run(const pith_mesh_view *surface, const pith_winding *winding, double spacing,

@@ -153,12 +153,6 @@ static double sum_at(const pairs *of, const double *lengths, double at)
     return before + t * (of->inner[k] + of->outer[k] - before);
 }
 
-static int by_value(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* ---- both sides at the rings --------------------------------------------------------------------------------------------------- */
 
 typedef struct sides {
@@ -200,7 +194,7 @@ static size_t list_wishes(const sketch_spline *of, const pairs *along, const sid
         wishes[i] = at <= inner->length ? sum_at(along, along->inner, at)
                                         : sum_at(along, along->outer, way(of, top, wishes[i], -1.0));
     }
-    qsort(wishes, count, sizeof *wishes, by_value);
+    qsort(wishes, count, sizeof *wishes, sketch_by_value);
     return count;
 }
 
@@ -271,7 +265,7 @@ static void sweep_ring(pith_vec2 inner, pith_vec2 outer, double from, double to,
         double x = inner.x + d * (d < 0.0 ? by_x_near : by_x);
         if (bound) x = fmax(x, least_x);
         ring[i] = pith_v3(x, loop[i].y * by_y, inner.y + d * by_z);
-        if (isfinite(slope) && fabs(ring[i].y) > slope * x) narrow = fmin(narrow, slope * x / fabs(ring[i].y));
+        if (bound && fabs(ring[i].y) > slope * x) narrow = fmin(narrow, slope * x / fabs(ring[i].y));
     }
     for (size_t i = 0; i < across; ++i) ring[i].y *= narrow;
 }

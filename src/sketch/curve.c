@@ -270,6 +270,12 @@ size_t sketch_spline_corners(const sketch_spline *spline, double *corners)
     return count;
 }
 
+int sketch_by_value(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
 bool sketch_spline_meets(const sketch_spline *spline, pith_vec2 direction, double beyond, bool farthest, double *place,
                          double *distance)
 {

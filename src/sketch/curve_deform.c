@@ -143,34 +143,48 @@ static void solve(drag *of)
     }
 }
 
-/* The frames of neighbours: bending energy, so a term weighs as the third power of the distances does. */
-static void keep_angles(drag *of)
+/* The frame of point i between its neighbours: (1 - c) z_{i-1} - z_i + c z_{i+1}, times the way between these over the
+   length of the two segments, so that it stands for points that turn back, too. Along a line of even segments this is h
+   times a quarter of the second difference. */
+static double frame_factors(const drag *of, size_t i, point factors[3])
+{
+    const point back = of->rest[i] - of->rest[i - 1], ahead = of->rest[i + 1] - of->rest[i];
+    const double length = cabs(back) + cabs(ahead);
+    factors[0] = ahead / length, factors[1] = -(back + ahead) / length, factors[2] = back / length;
+    return length;
+}
+
+/* The frames of neighbours: bending energy, so a term weighs as the inverse third power of the length. */
+static void keep_angles(drag *of, double unit)
 {
     clear(of);
-    const double unit = cabs(of->rest[of->count - 1] - of->rest[0]) + cabs(of->rest[of->handle] - of->rest[0]) + 1e-300;
     for (size_t i = 1; i + 1 < of->count; ++i) {
-        const point across = of->rest[i + 1] - of->rest[i - 1];
-        const point back = of->rest[i] - of->rest[i - 1], ahead = of->rest[i + 1] - of->rest[i];
-        const double step = (cabs(back) + cabs(ahead)) / unit;
-        /* (1 - c) z_{i-1} - z_i + c z_{i+1}, times `across` so that it stands for points that turn back, too */
-        const double scale = 1.0 / (cabs(back) + cabs(ahead));
-        const point factors[3] = { ahead * scale, -across * scale, back * scale };
-        add_term(of, i - 1, 3, factors, 0.0, 1.0 / (step * step * step));
+        point factors[3];
+        const double length = frame_factors(of, i, factors) / unit;
+        add_term(of, i - 1, 3, factors, 0.0, 1.0 / (length * length * length));
     }
     solve(of);
 }
 
-/* Segments as long as they were, in the directions that they have now. */
-static void keep_lengths(drag *of, point *wanted)
+/* Segments as long as they were, in the directions that they have now. What that asks for is spread smoothly: its bending
+   counts, too, over about a fifth of the curve that moves. */
+static void keep_lengths(drag *of, double unit, point *before)
 {
-    for (size_t i = 0; i + 1 < of->count; ++i) {
-        const point edge = of->rest[i + 1] - of->rest[i], now = edge + (of->shift[i + 1] - of->shift[i]);
-        wanted[i] = cabs(now) > 0.0 ? now * (cabs(edge) / cabs(now)) - edge : 0.0;
-    }
+    const double over = 0.2 * unit;
+    for (size_t i = 0; i < of->count; ++i) before[i] = of->shift[i];
     clear(of);
-    static const point factors[2] = { -1.0, 1.0 };
-    for (size_t i = 0; i + 1 < of->count; ++i)
-        add_term(of, i, 2, factors, wanted[i], 1.0 / cabs(of->rest[i + 1] - of->rest[i]));
+    for (size_t i = 0; i + 1 < of->count; ++i) {
+        static const point factors[2] = { -1.0, 1.0 };
+        const point edge = of->rest[i + 1] - of->rest[i], now = edge + (before[i + 1] - before[i]);
+        const point wanted = cabs(now) > 0.0 ? now * (cabs(edge) / cabs(now)) - edge : 0.0;
+        add_term(of, i, 2, factors, wanted, 1.0 / cabs(edge));
+    }
+    for (size_t i = 1; i + 1 < of->count; ++i) {
+        point factors[3];
+        const double length = frame_factors(of, i, factors);
+        const point bent = factors[0] * before[i - 1] + factors[1] * before[i] + factors[2] * before[i + 1];
+        add_term(of, i - 1, 3, factors, bent, 32.0 * over * over / (length * length * length));
+    }
     solve(of);
 }
 
@@ -199,8 +213,8 @@ pith_status pith_curve_deform(pith_vec2 *points, size_t count, bool closed, size
     if (v2_same(points[index], target)) return PITH_OK;
     drag of = { 0 };
     size_t *starts = pith_alloc(count, sizeof *starts);
-    point *wanted = pith_alloc(count + 4, sizeof *wanted);
-    pith_status status = starts && wanted ? PITH_OK : PITH_OUT_OF_MEMORY(err, "a dragged curve");
+    point *before = pith_alloc(count + 4, sizeof *before);
+    pith_status status = starts && before ? PITH_OK : PITH_OUT_OF_MEMORY(err, "a dragged curve");
     if (status != PITH_OK) goto done;
     const size_t places = list_places(points, count, closed, starts);
     size_t handle = 0;
@@ -213,8 +227,10 @@ pith_status pith_curve_deform(pith_vec2 *points, size_t count, bool closed, size
     for (size_t i = 0; i < of.count; ++i) staying |= of.fixed[i] && i != of.handle;
     of.shift[of.handle] = move;
     if (staying) {
-        keep_angles(&of);
-        keep_lengths(&of, wanted);
+        double unit = 0.0;
+        for (size_t i = 0; i + 1 < of.count; ++i) unit += cabs(of.rest[i + 1] - of.rest[i]);
+        keep_angles(&of, unit);
+        keep_lengths(&of, unit, before);
     } else { /* nothing holds it: it goes along as it is */
         for (size_t i = 0; i < of.count; ++i) of.shift[i] = move;
     }
@@ -229,6 +245,6 @@ pith_status pith_curve_deform(pith_vec2 *points, size_t count, bool closed, size
 done:
     drag_free(&of);
     pith_free(starts);
-    pith_free(wanted);
+    pith_free(before);
     return status;
 }

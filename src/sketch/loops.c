@@ -71,12 +71,6 @@ static double after(double place, double start, double length)
     return place < start ? place - start + length : place - start;
 }
 
-static int by_value(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* Samples between marks, whose places count from the start; corners get samples, too, and so does `also`. */
 static pith_status take_samples(const sketch_spline *spline, double start, double also, const sketch_mark *marks,
                                 size_t mark_count, pith_vec2 *samples, pith_error *err)
@@ -89,7 +83,7 @@ static pith_status take_samples(const sketch_spline *spline, double start, doubl
         size_t wish_count = sketch_spline_corners(spline, wishes);
         wishes[wish_count++] = also;
         for (size_t i = 0; i < wish_count; ++i) wishes[i] = after(wishes[i], start, spline->length);
-        qsort(wishes, wish_count, sizeof *wishes, by_value);
+        qsort(wishes, wish_count, sizeof *wishes, sketch_by_value);
         sketch_place(marks, mark_count, wishes, wish_count, places);
         for (size_t i = 0; i < count; ++i) samples[i] = sketch_spline_at(spline, start + places[i]);
     }
@@ -105,13 +99,14 @@ pith_status sketch_loop_around(const pith_sketch *sketch, const sketch_loop *loo
     double start, distance;
     if (!loop->winds || !sketch_spline_meets(spline, v2(1, 0), 0.0, true, &start, &distance))
         return pith_fail(err, PITH_BAD_ARGUMENT, "the loop does not run round the axis");
-    sketch_mark marks[66] = { { 0.0, 0 } };
+    /* The lines of folds, and where x is in each. */
+    sketch_mark marks[2 * 64 + 2] = { { 0.0, 0 } };
     size_t count = 1;
     if (across >= 2 * sketch->folds) {
         const double width = 2.0 * M_PI / sketch->folds, begin = sketch->fold_angle * (M_PI / 180.0);
-        const double first = begin - width * floor(begin / width); /* the first line at or behind x */
-        for (uint32_t i = 0; i < sketch->folds; ++i) {
-            const double angle = first + width * i;
+        const double line = begin - width * floor(begin / width); /* the first behind x */
+        for (uint32_t i = 0; i < 2 * sketch->folds; ++i) {
+            const double angle = width * (i / 2) + (i % 2 ? line : 0.0);
             const size_t index = (size_t)(across * (angle / (2.0 * M_PI)) + 0.5);
             double place;
             if (index <= marks[count - 1].index || index >= across ||

@@ -26,16 +26,16 @@ static inline pith_vec2 v2_turn(pith_vec2 a, pith_vec2 by)
 /* Cubic pieces between knots (points of the curve, each once), and a fine polyline through them that lengths are taken
    from. A place on the curve is a length along that polyline; the point there lies on the spline. */
 typedef struct sketch_spline {
-    pith_vec2 *knots;           /* [knot_count] */
-    pith_vec2 *arrive, *leave;  /* [knot_count] derivatives by the parameter; they differ at corners */
-    double *steps;              /* [piece_count] of the parameter */
-    bool *corners;              /* [knot_count] */
-    uint32_t *drawn;            /* [knot_count] which point of the curve it is */
+    pith_vec2 *knots;          /* [knot_count] */
+    pith_vec2 *arrive, *leave; /* [knot_count] derivatives by the parameter; they differ at corners */
+    double *steps;             /* [piece_count] of the parameter */
+    bool *corners;             /* [knot_count] */
+    uint32_t *drawn;           /* [knot_count] which point of the curve it is */
     size_t knot_count, piece_count;
-    size_t fine;                /* segments of the line in each piece */
-    pith_vec2 *line;            /* [line_count]; of a closed curve the last is the first */
-    double *lengths;            /* [line_count] along the line */
-    size_t line_count;          /* piece_count * fine + 1 */
+    size_t fine;       /* segments of the line in each piece */
+    pith_vec2 *line;   /* [line_count]; of a closed curve the last is the first */
+    double *lengths;   /* [line_count] along the line */
+    size_t line_count; /* piece_count * fine + 1 */
     double length;
     bool closed;
 } sketch_spline;
@@ -61,11 +61,16 @@ bool sketch_spline_meets(const sketch_spline *spline, pith_vec2 direction, doubl
                          double *distance);
 
 /* Sample `index` lies at the length `at`. */
-typedef struct sketch_mark { double at; size_t index; } sketch_mark;
+typedef struct sketch_mark {
+    double at;
+    size_t index;
+} sketch_mark;
 /* Where samples lie along a curve: at the marks (sorted, at least the first sample at its beginning and an end) exactly,
    at the wishes (sorted lengths, corners) as far as there are samples near enough, evenly between them.
    places [last mark's index + 1]. */
 void sketch_place(const sketch_mark *marks, size_t mark_count, const double *wishes, size_t wish_count, double *places);
+/* Orders doubles, for qsort. */
+int sketch_by_value(const void *a, const void *b);
 /* The lengths of the spline's corners. corners [knot_count]; how many. */
 size_t sketch_spline_corners(const sketch_spline *spline, double *corners);
 
@@ -73,10 +78,12 @@ size_t sketch_spline_corners(const sketch_spline *spline, double *corners);
 
 /* The segments of a polyline in a tree of boxes, for finding where it meets itself or another. */
 typedef struct sketch_tree {
-    const pith_vec2 *line;      /* [count + 1], borrowed */
-    size_t count;               /* segments */
-    struct sketch_box { pith_vec2 low, high; } *boxes; /* of the nodes, the root is 1 */
-    size_t leaves;              /* a power of two; leaf i has segments 8 i … */
+    const pith_vec2 *line; /* [count + 1], borrowed */
+    size_t count;          /* segments */
+    struct sketch_box {
+        pith_vec2 low, high;
+    } * boxes;     /* of the nodes, the root is 1 */
+    size_t leaves; /* a power of two; leaf i has segments 8 i … */
     bool closed;
 } sketch_tree;
 
@@ -95,8 +102,8 @@ pith_status sketch_spline_turned(const pith_curve *curve, sketch_reading reading
 /* A horizontal loop as it is swept, running counter-clockwise. */
 typedef struct sketch_loop {
     sketch_spline spline;
-    double least, most;     /* angles about the axis between which it lies, radians, least in -pi..pi; around: 2 pi apart */
-    bool winds;             /* once round the axis */
+    double least, most; /* angles about the axis between which it lies, radians, least in -pi..pi; around: 2 pi apart */
+    bool winds;         /* once round the axis */
 } sketch_loop;
 
 /* Refuses what pith_curve_check refuses, loops through the axis and those that wind round it more than once. */
@@ -106,7 +113,7 @@ void sketch_loop_free(sketch_loop *loop);
 /* A chamber's loop in its own frame: x from the axis through the middle of the angles it spans. samples [across], the
    first where it crosses that line farthest out; along x it reaches from `from` to `to`. */
 typedef struct sketch_frame {
-    pith_vec2 direction;    /* of x */
+    pith_vec2 direction; /* of x */
     double from, to, half_angle;
 } sketch_frame;
 pith_status sketch_loop_frame(const sketch_loop *loop, uint32_t across, sketch_frame *frame, pith_vec2 *samples,
@@ -141,8 +148,8 @@ pith_status sketch_rings_mesh(const sketch_rings *of, const pith_vec3 *positions
    horizontal one must cross the line y = 0, and is moved and scaled so that it reaches along that line from the one side of
    the vertical loop to the other at every height. The section with the plane y = 0 is the vertical loop. One component,
    turned outward. Chambers are such surfaces, turned into their folds; so are grains, in their own frame. */
-pith_status sketch_sweep_loops(const pith_curve *vertical, const pith_curve *horizontal, uint32_t across, uint32_t along,
-                               pith_mesh **mesh, pith_error *err);
+pith_status sketch_sweep_loops(const pith_curve *vertical, const pith_curve *horizontal, uint32_t across,
+                               uint32_t along, pith_mesh **mesh, pith_error *err);
 
 /* The surface of a feature that holds chambers; what is checked of features before is not checked again. */
 pith_status sketch_chambers(const pith_sketch *sketch, const pith_feature *feature, pith_mesh **mesh, pith_error *err);

@@ -59,6 +59,9 @@ static void test_the_tutorial(void **state)
     CHECK_AT_LEAST(run_page("docs/tutorial/1_first_cut.md"), 4);
     CHECK_AT_LEAST(run_page("docs/tutorial/2_orientation.md"), 2);
     CHECK_AT_LEAST(run_page("docs/tutorial/3_computed.md"), 3);
+    CHECK_RUN(0, "awk '/^```json/ { inside = 1; next } /^```/ { inside = 0 } inside' %s/docs/tutorial/4_flowing.md > peach.pith",
+              PITH_SOURCE_DIR);
+    CHECK_AT_LEAST(run_page("docs/tutorial/4_flowing.md"), 3);
 }
 
 static void test_the_editor(void **state)

@@ -594,6 +594,73 @@ static void test_options_from_end_to_end(void **state)
     pith_part_destroy(part);
 }
 
+/* ---- points and curves of their own -------------------------------------------------------------------------------- */
+
+static void test_points_have_the_values_that_the_part_has(void **state)
+{
+    (void)state;
+    pith_error err;
+    pith_part *part = body_part(8, true);
+    const pith_part_view v = pith_part_look(part);
+    drawing d = { .count = 0 };
+    for (int i = 0; i <= 60; ++i) draw(&d, -1.3 + 2.6 * i / 60.0, 0.3 * sin(i / 9.0));
+    double *values = values_of(part, front, &d, NULL), *alone = calloc(v.vertex_count, sizeof *alone);
+    const pith_cut_stroke stroke = { front, d.points, d.count };
+    const pith_cut_stroke_options options = pith_cut_stroke_options_default();
+    CHECK_OK(pith_cut_stroke_values(&stroke, &options, v.positions, v.vertex_count, v.positions, v.vertex_count, alone,
+                                    &err));
+    for (uint32_t i = 0; i < v.vertex_count; ++i) CHECK_NEAR(alone[i], values[i], 1e-11);
+    /* A few points alone get the same: the model decides, not they. */
+    double few[3];
+    CHECK_OK(pith_cut_stroke_values(&stroke, &options, v.positions, v.vertex_count, v.positions + 40, 3, few, &err));
+    for (int i = 0; i < 3; ++i) CHECK_NEAR(few[i], alone[40 + i], 0.0);
+    CHECK_FAILS(pith_cut_stroke_values(&stroke, NULL, NULL, 0, v.positions, 3, few, &err), PITH_BAD_ARGUMENT,
+                "options is NULL");
+    free(values);
+    free(alone);
+    pith_part_destroy(part);
+}
+
+static void test_distances_to_curves_of_a_plane(void **state)
+{
+    (void)state;
+    pith_error err;
+    /* A square, whichever way it runs: below 0 inside, distances in closed form. */
+    static const pith_vec2 square[2][4] = { { { -1, -1 }, { 1, -1 }, { 1, 1 }, { -1, 1 } },
+                                            { { -1, -1 }, { -1, 1 }, { 1, 1 }, { 1, -1 } } };
+    pith_rng rng = pith_rng_make(4, 0);
+    enum { N = 500 };
+    static pith_vec2 points[N];
+    static double distances[N];
+    for (int i = 0; i < N; ++i)
+        points[i] = (pith_vec2){ 6.0 * pith_rng_unit(&rng) - 3.0, 6.0 * pith_rng_unit(&rng) - 3.0 };
+    points[0] = (pith_vec2){ 2, 2 }; /* straight off a corner */
+    for (int way = 0; way < 2; ++way) {
+        CHECK_OK(pith_cut_curve_distances(square[way], 4, true, points, N, distances, &err));
+        for (int i = 0; i < N; ++i) {
+            const double x = fabs(points[i].x) - 1.0, y = fabs(points[i].y) - 1.0;
+            CHECK_NEAR(distances[i], fmin(fmax(x, y), 0.0) + hypot(fmax(x, 0.0), fmax(y, 0.0)), 1e-12);
+        }
+    }
+    /* An open corner goes on straight along both its arms: left of it, where x and y are above 0, is negative. */
+    static const pith_vec2 corner[3] = { { 0, 0.5 }, { 0, 0 }, { 0.5, 0 } }, corner_back[3] = { { 0.5, 0 }, { 0, 0 }, { 0, 0.5 } };
+    CHECK_OK(pith_cut_curve_distances(corner, 3, false, points, N, distances, &err));
+    for (int i = 0; i < N; ++i) {
+        const double x = points[i].x, y = points[i].y;
+        const double inside = fmin(x, y), outside = fmin(hypot(x, fmin(y, 0.0)), hypot(y, fmin(x, 0.0)));
+        CHECK_NEAR(distances[i], x > 0.0 && y > 0.0 ? -inside : outside, 1e-12);
+    }
+    CHECK_OK(pith_cut_curve_distances(corner_back, 3, false, points, 1, distances, &err));
+    CHECK_NEAR(distances[0], 2.0, 1e-12);
+
+    static const pith_vec2 twice[3] = { { 0, 0 }, { 0, 0 }, { 1, 1 } }, lost[2] = { { 0, 0 }, { NAN, 1 } };
+    static const pith_vec2 knot[4] = { { 0, 0 }, { 1, 1 }, { 1, 0 }, { 0, 1 } };
+    CHECK_FAILS(pith_cut_curve_distances(twice, 3, false, points, N, distances, &err), PITH_BAD_ARGUMENT, "points 0 and 1");
+    CHECK_FAILS(pith_cut_curve_distances(lost, 2, false, points, N, distances, &err), PITH_BAD_ARGUMENT, "finite");
+    CHECK_FAILS(pith_cut_curve_distances(knot, 4, false, points, N, distances, &err), PITH_BAD_ARGUMENT, "crosses");
+    CHECK_FAILS(pith_cut_curve_distances(knot, 2, true, points, N, distances, &err), PITH_BAD_ARGUMENT, "2 points");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -609,6 +676,8 @@ int main(void)
         cmocka_unit_test(test_strokes_are_checked_without_a_part),
         cmocka_unit_test(test_the_same_stroke_again_changes_nothing),
         cmocka_unit_test(test_scenes_may_lie_anywhere_and_threads_do_not_matter),
+        cmocka_unit_test(test_points_have_the_values_that_the_part_has),
+        cmocka_unit_test(test_distances_to_curves_of_a_plane),
         cmocka_unit_test(test_refusals),
         cmocka_unit_test(test_options_from_end_to_end),
     };

@@ -123,7 +123,7 @@ static uint32_t count_pairs(const pith_vec3 *positions, uint32_t vertices, const
     uint32_t found = 0;
     pith_vec3 at;
     CHECK_OK(mesh_tree_build(&view, &tree, &err));
-    CHECK_OK(mesh_count_crossings(&view, &tree, &found, &at, &err));
+    CHECK_OK(mesh_count_crossings(&view, &tree, &found, &at, NULL, &err));
     mesh_tree_free(&tree);
     return found;
 }

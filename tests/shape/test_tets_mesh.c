@@ -388,12 +388,12 @@ static void test_garbage_from_the_helper(void **state)
         { "kill -SEGV $$", "signal 11" },
         { "head -c 5000 /dev/zero >&0; exec sleep 5", "language of its own" },
         { "head -c 5000 /dev/urandom >&0", "language of its own" },
-        { "printf 'PITHTET1' >&0", "TetGen" },                                                  /* a cut header */
-        { "printf 'PITHTET1\\0\\0\\0\\0\\0\\0\\0\\0\\4\\0\\0\\0\\1\\0\\0\\0' >&0", "TetGen" },  /* a cut body */
-        { "printf 'PITHTET1\\0\\0\\0\\0\\0\\0\\0\\0\\377\\377\\377\\377\\1\\0\\0\\0' >&0", "announces" },
-        { "printf 'PITHTET1\\2\\0\\0\\0\\0\\0\\0\\0\\0\\0\\0\\0\\0\\0\\0\\0' >&0", "no tetrahedra" },
-        { "printf 'PITHTET1\\3\\0\\0\\0\\0\\0\\0\\0\\0\\0\\0\\0\\0\\0\\0\\0' >&0", "did not understand" },
-        { "printf 'PITHTET1\\0\\0\\0\\0\\0\\0\\0\\0\\1\\0\\0\\0\\1\\0\\0\\0' >&0; head -c 40 /dev/zero >&0", "moved" },
+        { "printf 'PITHTET2' >&0", "TetGen" },                                                  /* a cut header */
+        { "printf 'PITHTET2\\0\\0\\0\\0\\0\\0\\0\\0\\4\\0\\0\\0\\1\\0\\0\\0' >&0", "TetGen" },  /* a cut body */
+        { "printf 'PITHTET2\\0\\0\\0\\0\\0\\0\\0\\0\\377\\377\\377\\377\\1\\0\\0\\0' >&0", "announces" },
+        { "printf 'PITHTET2\\2\\0\\0\\0\\0\\0\\0\\0\\0\\0\\0\\0\\0\\0\\0\\0' >&0", "no tetrahedra" },
+        { "printf 'PITHTET2\\3\\0\\0\\0\\0\\0\\0\\0\\0\\0\\0\\0\\0\\0\\0\\0' >&0", "did not understand" },
+        { "printf 'PITHTET2\\0\\0\\0\\0\\0\\0\\0\\0\\1\\0\\0\\0\\1\\0\\0\\0' >&0; head -c 40 /dev/zero >&0", "moved" },
         { "exec sleep 100", "1.5 seconds" },
     };
     pith_mesh *mesh = sample_sphere(2);

@@ -271,6 +271,44 @@ static void test_sizes_and_turns_spread(void **state)
 
 /* ---- the mesh ------------------------------------------------------------------------------------------------------------ */
 
+/* An ellipse beside the surface and one across it make an ellipsoid: every section across y is the outline, as deep as the
+   profile is there. */
+static void test_a_grain_of_two_ellipses_is_an_ellipsoid(void **state)
+{
+    (void)state;
+    enum { N = 48 };
+    pith_error err;
+    pith_vec2 profile[N], outline[N];
+    for (int i = 0; i < N; ++i) {
+        const double a = 2.0 * M_PI * i / N;
+        profile[i] = (pith_vec2){ 0.2 + 0.3 * cos(a), sin(a) };      /* (z, y) */
+        outline[i] = (pith_vec2){ 5.0 + 1.0 * cos(a), 2.0 * sin(a) }; /* (z, x): twice as wide as deep */
+    }
+    const pith_curve beside = { profile, N, true }, across = { outline, N, true };
+    pith_mesh *grain;
+    CHECK_OK(pith_grain_surface(&beside, &across, 64, 64, &grain, &err));
+    const pith_mesh_view v = pith_mesh_look(grain);
+    pith_box box = pith_box_of(v.positions, v.vertex_count);
+    CHECK_NEAR(box.high.x, 0.6, 2e-3);
+    CHECK_NEAR(box.high.y, 1.0, 2e-3);
+    CHECK_NEAR(box.high.z, 0.5, 2e-3);
+    CHECK_NEAR(box.low.z, -0.1, 2e-3);
+    for (uint32_t i = 0; i < v.vertex_count; ++i) {
+        const pith_vec3 p = v.positions[i];
+        CHECK_NEAR(sqrt(p.x * p.x / 0.36 + p.y * p.y + (p.z - 0.2) * (p.z - 0.2) / 0.09), 1.0, 3e-3);
+    }
+    pith_mesh_report report;
+    CHECK_OK(pith_mesh_measure(grain, &report, &err));
+    assert_true(report.closed);
+    assert_int_equal(report.components, 1);
+    CHECK_NEAR(report.volume, 4.0 / 3.0 * M_PI * 0.6 * 0.3, 0.01); /* above 0: turned outward */
+    pith_mesh_destroy(grain);
+
+    static const pith_vec2 crossing[4] = { { 0, 0 }, { 1, 1 }, { 1, 0 }, { 0, 1 } };
+    const pith_curve bad = { crossing, 4, true };
+    CHECK_FAILS(pith_grain_surface(&bad, &across, 16, 16, &grain, &err), PITH_BAD_ARGUMENT, "cross");
+}
+
 static void test_copies_stand_in_their_frames(void **state)
 {
     (void)state;
@@ -372,6 +410,7 @@ int main(void)
         cmocka_unit_test(test_frames_follow_the_normal_and_the_axis),
         cmocka_unit_test(test_frames_across_the_axis),
         cmocka_unit_test(test_sizes_and_turns_spread),
+        cmocka_unit_test(test_a_grain_of_two_ellipses_is_an_ellipsoid),
         cmocka_unit_test(test_copies_stand_in_their_frames),
         cmocka_unit_test(test_refusals),
     };
