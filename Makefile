@@ -92,6 +92,7 @@ bench: $(BUILD)/pith-configured
 	$(BUILD)/pith bench atlas --json > bench/results/atlas.json
 	$(BUILD)/pith bench lines --json > bench/results/lines.json
 	$(BUILD)/pith bench diffusion --json > bench/results/diffusion.json
+	$(BUILD)/pith bench sketch --json > bench/results/sketch.json
 
 gallery: editor $(BUILD)/pith-configured
 	@tools/install-packages browser

@@ -20,6 +20,8 @@ static const bench benches[] = {
     { "lines", "lines over pictures of shipped models, beside the pictures", bench_lines },
     { "diffusion", "colours between surfaces, by rays and by walks: points per second and errors", bench_diffusion },
     { "sketch_surface", "grains, painting and erasing: seconds over sizes", bench_sketch_surface },
+    { "methods", "the three ways colours flow between surfaces: times, memory, and how far apart they are", bench_methods },
+    { "sketch", "surfaces swept from curves, curves checked and dragged, random variations", bench_sketch },
 };
 enum { BENCH_COUNT = sizeof benches / sizeof *benches };
 
@@ -152,12 +154,13 @@ int verb_bench(int argc, char **argv)
         { "repeats", 'r', CLI_WHOLE, &options.repeats, "N", "timed runs after a warm-up; default 5", 1, 64, NULL },
         { "curve", 0, CLI_SWITCH, &options.curve, NULL, "lapped, cut: from 5 000 to 500 000 tetrahedra", 0, 0, NULL },
         { "largest", 0, CLI_WHOLE, &options.largest, "N", "lapped, cut: the curve stops at N tetrahedra", 5000, 500000, NULL },
+        { "picture", 0, CLI_TEXT, &options.picture, "FILE", "methods: write sections side by side as PNG", 0, 0, NULL },
         { "threads", 0, CLI_WHOLE, &threads, "N", "threads to use", 1, 256, NULL },
         { "json", 0, CLI_SWITCH, &json, NULL, "print JSON", 0, 0, NULL },
         { "csv", 0, CLI_SWITCH, &csv, NULL, "print CSV, as kept in bench/results", 0, 0, NULL },
     };
     cli_line line = {
-        .verb = "bench", .words = "lapped|fields|render|cut|layers|blend|volume|procedural|atlas|lines|diffusion",
+        .verb = "bench", .words = "lapped|fields|render|cut|layers|blend|volume|procedural|atlas|lines|diffusion|sketch_surface|methods|sketch",
         .least_words = 1, .most_words = 1,
         .flags = flags, .flag_count = sizeof flags / sizeof *flags,
         .summary = "Measures. Each case has times (least and median of repeated runs), a figure of quality beside them, and\n"

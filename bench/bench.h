@@ -9,15 +9,18 @@ typedef struct bench_options {
     int repeats;    /* timed runs after one warm-up */
     bool curve;     /* lapped, cut: from 5 000 to 500 000 tetrahedra */
     int largest;    /* lapped, cut: the curve stops here */
+    const char *picture; /* methods: the file for sections side by side; NULL: none */
 } bench_options;
 
 /* Appends cases {"name": …, measures…} to the list. */
 typedef pith_status bench_run(const bench_options *options, json_t *cases, pith_error *err);
-bench_run bench_lapped, bench_fields, bench_render, bench_volume, bench_cut, bench_layers, bench_blend,
-    bench_procedural, bench_atlas, bench_diffusion, bench_lines, bench_sketch_surface;
+bench_run bench_lapped, bench_fields, bench_render, bench_cut, bench_layers, bench_blend, bench_volume,
+    bench_procedural, bench_atlas, bench_lines, bench_diffusion, bench_sketch_surface, bench_methods, bench_sketch;
 
 /* Accuracy of orientations recovered from strokes; part of bench_fields. */
 bench_run bench_orientation;
+/* Sections of diffusion surfaces as meshes; part of bench_diffusion. */
+bench_run bench_section;
 /* The shipped computed solids and a picture of them; part of bench_procedural. */
 bench_run bench_scene;
 /* Streamlines on sections and skins; the same. */

@@ -156,8 +156,8 @@ static pith_status run_erasing(uint32_t detail, int repeats, json_t *cases, pith
 
 pith_status bench_sketch_surface(const bench_options *options, json_t *cases, pith_error *err)
 {
-    for (double wanted = 1e3; wanted < 2e6; wanted *= 10.0)
-        PITH_TRY(run_grains(5, fmin(wanted, 9.5e5), options->repeats, cases, err));
+    for (double wanted = 1e3; wanted < 2e5; wanted *= 10.0)
+        PITH_TRY(run_grains(5, wanted, options->repeats, cases, err));
     PITH_TRY(run_grains(2, 1e5, options->repeats, cases, err));
     PITH_TRY(run_grains(8, 1e5, options->repeats, cases, err));
     for (uint32_t detail = 4; detail <= 8; ++detail) PITH_TRY(run_painting(detail, options->repeats, cases, err));

@@ -31,6 +31,8 @@ typedef struct pith_diffusion_section_view {
     const uint32_t *segment_surfaces;   /* [segment_count] the diffusion surface it comes from */
     uint32_t vertex_count, triangle_count, segment_count;
     uint32_t asked;                     /* points whose colours were computed on the way */
+    uint32_t lost;                      /* pieces of cut segments without edges along them: 0, but where a cutting surface
+                                           folds over itself within a billionth of its extent */
 } pith_diffusion_section_view;
 
 /** Cuts the sheets with any surface in triangles, flat or not, in one piece or many, with a border or without.
@@ -46,8 +48,8 @@ typedef struct pith_diffusion_section_view {
  *  tolerances below these lead to triangles down to `shortest`. Where cuts meet, their colours differ by no more than
  *  what each interpolates: colours belong to places, not to cuts.
  *
- *  Same bits for any number of threads. A fruit of 20 000 triangles takes 0.1 s on two cores, nearly all of it for
- *  colours. progress may be NULL.
+ *  Same bits for any number of threads. A fruit of 20 000 triangles takes 0.08 s on two cores, nearly all of it for
+ *  colours; the mesh alone is O(triangles of the sheets + vertices log vertices), 5 ms. progress may be NULL.
  *  PITH_BAD_ARGUMENT: options out of range. PITH_BAD_MESH: the cutting surface has an index out of range or a position
  *  that is not finite. A cutting surface without triangles gives an empty section. */
 pith_status pith_diffusion_section_create(const pith_diffusion *diffusion, const pith_diffusion_options *how,
@@ -62,7 +64,7 @@ pith_status pith_diffusion_section_mesh(const pith_diffusion_section *section, p
 
 /** The same of a flat region as a picture, each pixel asked in its middle. The region's corner of pixel (0, 0), and its
  *  edges along x and y, model units; colours [height][width], the caller's. What a section mesh is compared with, and
- *  the faster of the two from some 100 pixels a side downward. Errors as of pith_diffusion_colours. */
+ *  the faster of the two below some 80 pixels a side. Errors as of pith_diffusion_colours. */
 pith_status pith_diffusion_picture(const pith_diffusion *diffusion, const pith_diffusion_options *how, pith_vec3 corner,
                                    pith_vec3 x, pith_vec3 y, uint32_t width, uint32_t height, float (*colours)[4],
                                    pith_error *err);

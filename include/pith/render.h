@@ -18,6 +18,7 @@ typedef struct pith_render_options {
     double light_size;          /* angular diameter of the light, degrees: softness of shadows */
     double light_strength, ambient;
     double gloss;               /* strength of the highlight on skin and section, 0..1 */
+    uint32_t shade_steps;       /* steps in which light falls off over a surface, as painted ones do; 0: smoothly */
     uint32_t bounces;           /* mirrors that a ray goes by in turn, 0..8; 0: nothing is mirrored */
     double zenith;              /* brightness of the sky overhead in mirrors, of the background's, which it has level */
     double exposure;            /* stops */

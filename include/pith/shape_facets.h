@@ -24,7 +24,7 @@ typedef struct pith_facets_view {
     const uint32_t *sources;        /* [facet_count] the lowest triangle of the surface that lies in it */
     const pith_vec3 *normals;       /* [facet_count] unit */
     uint32_t vertex_count, triangle_count, facet_count;
-    uint32_t lost;                  /* pieces of cut segments that could not be followed; 0 but for surfaces that
+    uint32_t lost; /* pieces of cut segments that could not be followed; 0 but for surfaces that
                                        fold over themselves within the tolerance */
 } pith_facets_view;
 

@@ -68,7 +68,8 @@ size_t pith_brush_mark(const pith_brush *brush, const pith_sketch *sketch, const
 /** Spreads values from the fixed vertices over the rest of the surface: minimises the Dirichlet energy (cotangent
  *  weights, Pinkall and Polthier 1993, kept above 0), which is Laplacian smoothing run to its end. values
  *  [channels][vertex_count], changed at vertices that are not fixed; components of the surface without a fixed vertex stay
- *  as they are. Never leaves the range of the component's fixed values. One factorisation for all channels.
+ *  as they are. Never leaves the range of the component's fixed values. One factorisation for all channels:
+ *  164 000 vertices take 1.4 s and 250 MiB on one core, 655 000 6 s and 1 GiB.
  *  PITH_BAD_ARGUMENT: a fixed value that is not finite; PITH_BAD_MESH: an index out of range. */
 pith_status pith_mesh_spread(const pith_mesh_view *mesh, const bool *fixed, uint32_t channels, double *values,
                              pith_error *err);

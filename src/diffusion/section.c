@@ -58,6 +58,7 @@ static pith_status make(section_work *work, const pith_mesh_view *cutting, const
     PITH_TRY(section_refine(work, progress, err));
     PITH_TRY(section_split(work, section, err));
     section->asked = work->asked;
+    section->lost = pith_facets_look(work->facets).lost;
     return PITH_OK;
 }
 
@@ -67,8 +68,9 @@ pith_status pith_diffusion_section_create(const pith_diffusion *diffusion, const
                                           pith_error *err)
 {
     if (!diffusion || !how || !options || !cutting || !section)
-        return pith_fail(err, PITH_BAD_ARGUMENT, "pith_diffusion_section_create: diffusion, how, options, cutting and "
-                                                 "section must not be NULL");
+        return pith_fail(err, PITH_BAD_ARGUMENT,
+                         "pith_diffusion_section_create: diffusion, how, options, cutting and "
+                         "section must not be NULL");
     if (cutting->triangle_count > 0 && (!cutting->positions || !cutting->triangles))
         return pith_fail(err, PITH_BAD_ARGUMENT, "the cutting surface lacks positions or triangles (NULL)");
     PITH_TRY(pith_params_check(&pith_diffusion_params, how, err));
@@ -112,7 +114,8 @@ pith_diffusion_section_view pith_diffusion_section_look(const pith_diffusion_sec
                                           .vertex_count = section->vertex_count,
                                           .triangle_count = section->triangle_count,
                                           .segment_count = section->segment_count,
-                                          .asked = section->asked };
+                                          .asked = section->asked,
+                                          .lost = section->lost };
 }
 
 pith_status pith_diffusion_section_mesh(const pith_diffusion_section *section, pith_mesh **mesh, pith_error *err)

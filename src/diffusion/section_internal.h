@@ -28,7 +28,7 @@ struct pith_diffusion_section {
     float (*colours)[4];
     uint32_t (*triangles)[3], *sources;
     uint32_t (*segments)[2], *segment_surfaces;
-    uint32_t vertex_count, triangle_count, segment_count, asked;
+    uint32_t vertex_count, triangle_count, segment_count, asked, lost;
 };
 
 static inline uint32_t next_of(uint32_t h) { return h % 3 == 2 ? h - 2 : h + 1; }

@@ -144,22 +144,25 @@ static pith_status colour_vertices(section_work *work, pith_error *err)
 /* ---- which edges are doubtful -------------------------------------------------------------------------------------------- */
 
 typedef struct doubt {
-    uint32_t edge, from, to;
-    uint32_t facet;
-    bool forced; /* too long, whatever its colours are */
-    bool cut;    /* the middle's colour is the sheet's */
-    double error;
+    uint32_t edge;
+    uint32_t split; /* the edge that is divided if need be: this one, or one beside it that must stay */
+    uint32_t split_from, split_to;
+    uint32_t leader; /* the doubt whose colour answers this one, too; itself: asks */
+    bool forced;     /* too long, whatever its colours are */
+    bool cut;        /* the middle's colour is the sheet's */
+    double length, error;
     pith_vec3 middle;
     float colour[4];
 } doubt;
 
 typedef struct refining {
     doubt *doubts;
-    uint32_t (*seen)[3]; /* [triangle_count] the corners of the triangle when it was found good */
+    uint32_t (*good)[3]; /* [triangle_count] the corners of the triangle when it was found good */
+    uint32_t *doubt_of;  /* [3 * triangle_count] 1 + the doubt about an edge, by the edge's name */
     pith_vec3 *points;
     float (*colours)[4];
     uint32_t *which;
-    size_t doubt_room, seen_room, point_room, colour_room, which_room;
+    size_t doubt_room, good_room, of_room, point_room, colour_room, which_room;
     uint32_t count;
 } refining;
 
@@ -175,19 +178,47 @@ static uint32_t edge_name(const pith_facets_view *view, uint32_t h)
     return g < h ? g : h; /* PITH_NONE is the largest */
 }
 
-/* Its longest edge when that is too long, else the longest that no cut runs along; PITH_NONE: nothing to be done. */
-static uint32_t doubtful_edge(const section_work *work, const pith_facets_view *view, uint32_t t, bool *forced)
+static uint32_t longest_edge(const pith_facets_view *view, uint32_t t, bool open)
 {
-    uint32_t longest = PITH_NONE, open = PITH_NONE;
-    double most = -1.0, most_open = -1.0;
+    uint32_t longest = PITH_NONE;
+    double most = -1.0;
     for (uint32_t h = 3 * t; h < 3 * t + 3; ++h) {
         const double length = edge_length(view, h);
-        if (length > most) most = length, longest = h;
-        if (length > most_open && !is_cut(view, h)) most_open = length, open = h;
+        if (!(length > most) || (open && is_cut(view, h))) continue;
+        most = length;
+        longest = h;
     }
-    *forced = most > work->longest;
-    if (*forced) return longest;
-    return most_open > 2.0 * work->shortest ? open : PITH_NONE;
+    return longest;
+}
+
+/* What is in doubt about a triangle: its longest edge when that is too long, else the longest that no cut runs along.
+   False: nothing to be done. */
+static bool find_doubt(const section_work *work, const pith_facets_view *view, uint32_t t, doubt *found)
+{
+    const uint32_t longest = longest_edge(view, t, false);
+    if (edge_length(view, longest) > work->longest) {
+        *found = (doubt){ .edge = edge_name(view, longest), .forced = true };
+        return true;
+    }
+    const uint32_t open = longest_edge(view, t, true);
+    if (open == PITH_NONE || !(edge_length(view, open) > 2.0 * work->shortest)) return false;
+    *found = (doubt){ .edge = edge_name(view, open) };
+    return true;
+}
+
+/* Where the triangle on that side of an edge sees a longer one that must stay under a blunt angle, that one is divided
+   in its stead: else ever narrower triangles would come to lie on it (Ruppert, "A Delaunay refinement algorithm for
+   quality 2-dimensional mesh generation", 1995). */
+static void divide_instead(const pith_facets_view *view, doubt *d, uint32_t h)
+{
+    if (h == PITH_NONE) return;
+    const uint32_t longest = longest_edge(view, h / 3, false), g = mate_of(view, longest);
+    if (longest == h) return;
+    if (g != PITH_NONE && view->facets[g / 3] == view->facets[h / 3] && !is_cut(view, longest)) return;
+    double around = 0.0;
+    for (uint32_t e = 3 * (h / 3); e < 3 * (h / 3) + 3; ++e) around += edge_length(view, e) * edge_length(view, e);
+    const double length = edge_length(view, longest);
+    if (2.0 * length * length > around) d->split = edge_name(view, longest);
 }
 
 static int by_edge(const void *a, const void *b)
@@ -197,34 +228,97 @@ static int by_edge(const void *a, const void *b)
     return (int)y->forced - (int)x->forced;
 }
 
-static pith_status find_doubts(section_work *work, refining *r, pith_error *err)
+static int by_length(const void *a, const void *b)
 {
-    const pith_facets_view view = pith_facets_look(work->facets);
-    if (!pith_grow((void **)&r->seen, &r->seen_room, view.triangle_count, sizeof *r->seen) ||
-        !pith_grow((void **)&r->doubts, &r->doubt_room, view.triangle_count, sizeof *r->doubts))
-        return PITH_OUT_OF_MEMORY(err, "a section's edges");
+    const doubt *x = a, *y = b;
+    if (x->length != y->length) return x->length > y->length ? -1 : 1;
+    return x->edge < y->edge ? -1 : x->edge > y->edge;
+}
+
+static void list_doubts(const section_work *work, const pith_facets_view *view, refining *r)
+{
     r->count = 0;
-    for (uint32_t t = 0; t < view.triangle_count; ++t) {
-        if (memcmp(r->seen[t], view.triangles[t], sizeof *r->seen) == 0) continue;
-        memcpy(r->seen[t], view.triangles[t], sizeof *r->seen);
-        bool forced;
-        const uint32_t edge = doubtful_edge(work, &view, t, &forced);
-        if (edge == PITH_NONE) continue;
-        const uint32_t h = edge_name(&view, edge);
-        r->doubts[r->count++] = (doubt){ .edge = h, .forced = forced, .cut = is_cut(&view, h) };
+    for (uint32_t t = 0; t < view->triangle_count; ++t) {
+        if (memcmp(r->good[t], view->triangles[t], sizeof *r->good) == 0) continue;
+        if (find_doubt(work, view, t, &r->doubts[r->count]))
+            ++r->count;
+        else
+            memcpy(r->good[t], view->triangles[t], sizeof *r->good);
     }
+    if (r->count == 0) return;
     qsort(r->doubts, r->count, sizeof *r->doubts, by_edge);
     uint32_t kept = 0;
     for (uint32_t i = 0; i < r->count; ++i) {
         if (kept > 0 && r->doubts[kept - 1].edge == r->doubts[i].edge) continue;
         doubt *d = &r->doubts[kept++];
         *d = r->doubts[i];
-        d->from = from_of(&view, d->edge);
-        d->to = from_of(&view, next_of(d->edge));
-        d->facet = view.facets[d->edge / 3];
-        d->middle = pith_lerp(view.positions[d->from], view.positions[d->to], 0.5);
+        d->cut = is_cut(view, d->edge);
+        d->length = edge_length(view, d->edge);
+        d->split = d->edge;
+        divide_instead(view, d, d->edge);
+        divide_instead(view, d, mate_of(view, d->edge));
+        d->split_from = from_of(view, d->split);
+        d->split_to = from_of(view, next_of(d->split));
+        d->middle =
+            pith_lerp(view->positions[from_of(view, d->edge)], view->positions[from_of(view, next_of(d->edge))], 0.5);
     }
     r->count = kept;
+    qsort(r->doubts, r->count, sizeof *r->doubts, by_length);
+}
+
+/* The longer of the triangle's other edges; PITH_NONE: a cut runs along it. */
+static uint32_t other_long_edge(const pith_facets_view *view, uint32_t h)
+{
+    const uint32_t a = next_of(h), b = former_of(h);
+    const uint32_t other = edge_length(view, a) > edge_length(view, b) ? a : b;
+    return is_cut(view, other) ? PITH_NONE : other;
+}
+
+/* From an edge on over the narrow triangles beside it, whose long edges have their middles close together. */
+static void lead(const pith_facets_view *view, refining *r, uint32_t leader, uint32_t h)
+{
+    const doubt *first = &r->doubts[leader];
+    while (h != PITH_NONE) {
+        h = other_long_edge(view, h);
+        const uint32_t found = h == PITH_NONE ? 0 : r->doubt_of[edge_name(view, h)];
+        if (found == 0) return;
+        doubt *d = &r->doubts[found - 1];
+        if (d->leader != PITH_NONE || d->cut || d->length < 0.7 * first->length ||
+            pith_distance(d->middle, first->middle) > 0.3 * first->length)
+            return;
+        d->leader = leader;
+        h = mate_of(view, h);
+    }
+}
+
+/* Of edges side by side in a strip of narrow triangles one is asked for all, the longest. */
+static void choose_leaders(const pith_facets_view *view, refining *r)
+{
+    for (uint32_t i = 0; i < r->count; ++i) {
+        r->doubts[i].leader = PITH_NONE;
+        r->doubt_of[r->doubts[i].edge] = i + 1;
+    }
+    for (uint32_t i = 0; i < r->count; ++i) {
+        doubt *d = &r->doubts[i];
+        if (d->leader != PITH_NONE) continue;
+        d->leader = i;
+        if (d->cut) continue;
+        lead(view, r, i, d->edge);
+        lead(view, r, i, mate_of(view, d->edge));
+    }
+    for (uint32_t i = 0; i < r->count; ++i) r->doubt_of[r->doubts[i].edge] = 0;
+}
+
+static pith_status find_doubts(section_work *work, refining *r, pith_error *err)
+{
+    const pith_facets_view view = pith_facets_look(work->facets);
+    const size_t n = view.triangle_count;
+    if (!pith_grow((void **)&r->good, &r->good_room, n, sizeof *r->good) ||
+        !pith_grow((void **)&r->doubts, &r->doubt_room, n, sizeof *r->doubts) ||
+        !pith_grow((void **)&r->doubt_of, &r->of_room, 3 * n, sizeof *r->doubt_of))
+        return PITH_OUT_OF_MEMORY(err, "a section's edges");
+    list_doubts(work, &view, r);
+    choose_leaders(&view, r);
     return PITH_OK;
 }
 
@@ -242,9 +336,18 @@ static double mean_error(paint a, paint b, const float there[4])
     return error;
 }
 
-static pith_status judge(section_work *work, refining *r, pith_error *err)
+/* A triangle is good when the middle of the edge it was in doubt about is. */
+static void note_good(const pith_facets_view *view, refining *r, const doubt *d)
 {
-    const pith_facets_view view = pith_facets_look(work->facets);
+    const uint32_t g = mate_of(view, d->edge);
+    memcpy(r->good[d->edge / 3], view->triangles[d->edge / 3], sizeof *r->good);
+    if (g != PITH_NONE) memcpy(r->good[g / 3], view->triangles[g / 3], sizeof *r->good);
+}
+
+/* The colours of some middles: those of the edges in doubt, or of those that are divided instead. */
+static pith_status ask_middles(section_work *work, const pith_facets_view *view, refining *r, bool instead,
+                               pith_error *err)
+{
     if (!pith_grow((void **)&r->points, &r->point_room, r->count, sizeof *r->points) ||
         !pith_grow((void **)&r->colours, &r->colour_room, r->count, sizeof *r->colours) ||
         !pith_grow((void **)&r->which, &r->which_room, r->count, sizeof *r->which))
@@ -252,24 +355,41 @@ static pith_status judge(section_work *work, refining *r, pith_error *err)
     uint32_t count = 0;
     for (uint32_t i = 0; i < r->count; ++i) {
         doubt *d = &r->doubts[i];
-        if (d->cut) continue;
-        const pith_vec3 apex = view.positions[from_of(&view, former_of(d->edge))];
-        if (mate_of(&view, d->edge) == PITH_NONE &&
-            colour_on_sheet(work, d->middle, pith_sub(apex, d->middle), d->colour))
-            continue;
-        r->points[count] = d->middle;
+        if (instead ? d->split == d->edge || is_cut(view, d->split) : d->leader != i || d->cut) continue;
+        const uint32_t h = instead ? d->split : d->edge;
+        const pith_vec3 middle =
+            pith_lerp(view->positions[from_of(view, h)], view->positions[from_of(view, next_of(h))], 0.5);
+        const pith_vec3 apex = view->positions[from_of(view, former_of(h))];
+        if (mate_of(view, h) == PITH_NONE && colour_on_sheet(work, middle, pith_sub(apex, middle), d->colour)) continue;
+        r->points[count] = middle;
         r->which[count++] = i;
     }
     PITH_TRY(ask(work, r->points, count, r->colours, err));
-    for (uint32_t i = 0; i < count; ++i)
-        memcpy(r->doubts[r->which[i]].colour, r->colours[i], sizeof r->colours[i]);
+    for (uint32_t i = 0; i < count; ++i) memcpy(r->doubts[r->which[i]].colour, r->colours[i], sizeof r->colours[i]);
+    return PITH_OK;
+}
+
+static pith_status judge(section_work *work, refining *r, pith_error *err)
+{
+    const pith_facets_view view = pith_facets_look(work->facets);
+    PITH_TRY(ask_middles(work, &view, r, false, err));
     for (uint32_t i = 0; i < r->count; ++i) {
         doubt *d = &r->doubts[i];
+        if (d->leader != i) continue;
         d->error = d->forced ? INFINITY
                              : mean_error(corner_colour(work, &view, d->edge),
                                           corner_colour(work, &view, next_of(d->edge)), d->colour);
     }
-    return PITH_OK;
+    uint32_t kept = 0; /* those to be divided */
+    for (uint32_t i = 0; i < r->count; ++i) {
+        doubt *d = &r->doubts[i];
+        if (d->leader != i) d->error = d->forced ? INFINITY : r->doubts[d->leader].error;
+        if (d->error <= work->options->tolerance) note_good(&view, r, d);
+    }
+    for (uint32_t i = 0; i < r->count; ++i)
+        if (r->doubts[i].leader == i && r->doubts[i].error > work->options->tolerance) r->doubts[kept++] = r->doubts[i];
+    r->count = kept;
+    return ask_middles(work, &view, r, true, err);
 }
 
 /* ---- dividing --------------------------------------------------------------------------------------------------------------- */
@@ -300,17 +420,25 @@ static uint32_t find_mark(const pith_facets_view *view, uint32_t v)
     return PITH_NONE;
 }
 
-/* A former division may have flipped the edge away; its middle is put in all the same, having been paid for. */
-static pith_status divide(section_work *work, const doubt *d, pith_error *err)
+/* A vertex that this round has made lies so near to the middle of the edge that another would be of little use. */
+static bool is_crowded(const pith_facets_view *view, const doubt *d, uint32_t first_new)
+{
+    const uint32_t g = mate_of(view, d->edge);
+    const uint32_t apex[2] = { from_of(view, former_of(d->edge)), g == PITH_NONE ? 0 : from_of(view, former_of(g)) };
+    for (int k = 0; k < 2; ++k)
+        if (apex[k] >= first_new && pith_distance(view->positions[apex[k]], d->middle) < 0.4 * d->length) return true;
+    return false;
+}
+
+/* Edges that former divisions have flipped away are passed over, and so are crowded ones: what is there instead is in
+   doubt again in the next round. */
+static pith_status divide(section_work *work, const doubt *d, uint32_t first_new, pith_error *err)
 {
     pith_facets_view view = pith_facets_look(work->facets);
-    const uint32_t before = view.vertex_count;
     uint32_t vertex;
-    if (from_of(&view, d->edge) == d->from && from_of(&view, next_of(d->edge)) == d->to)
-        PITH_TRY(pith_facets_split(work->facets, d->edge, &vertex, err));
-    else
-        PITH_TRY(pith_facets_insert(work->facets, d->facet, d->middle, d->from, &vertex, err));
-    if (vertex < before) return PITH_OK;
+    if (from_of(&view, d->split) != d->split_from || from_of(&view, next_of(d->split)) != d->split_to) return PITH_OK;
+    if (d->split == d->edge && is_crowded(&view, d, first_new)) return PITH_OK;
+    PITH_TRY(pith_facets_split(work->facets, d->split, &vertex, err));
     PITH_TRY(make_room(work, vertex + 1, err));
     view = pith_facets_look(work->facets);
     work->some_mark[vertex] = find_mark(&view, vertex);
@@ -321,17 +449,14 @@ static pith_status divide(section_work *work, const doubt *d, pith_error *err)
 
 static pith_status divide_all(section_work *work, refining *r, bool *any, pith_error *err)
 {
-    uint32_t kept = 0;
-    for (uint32_t i = 0; i < r->count; ++i)
-        if (r->doubts[i].error > work->options->tolerance) r->doubts[kept++] = r->doubts[i];
     const uint32_t have = pith_facets_look(work->facets).vertex_count, most = work->options->most;
     const uint32_t left = have < most ? most - have : 0;
-    if (kept > left) {
-        qsort(r->doubts, kept, sizeof *r->doubts, by_error);
-        kept = left;
+    if (r->count > left) {
+        qsort(r->doubts, r->count, sizeof *r->doubts, by_error);
+        r->count = left;
     }
-    for (uint32_t i = 0; i < kept; ++i) PITH_TRY(divide(work, &r->doubts[i], err));
-    *any = kept > 0;
+    for (uint32_t i = 0; i < r->count; ++i) PITH_TRY(divide(work, &r->doubts[i], have, err));
+    *any = r->count > 0;
     return PITH_OK;
 }
 
@@ -353,7 +478,8 @@ pith_status section_refine(section_work *work, const pith_progress *progress, pi
     refining r = { 0 };
     const pith_status status = refine(work, &r, progress, err);
     pith_free(r.doubts);
-    pith_free(r.seen);
+    pith_free(r.good);
+    pith_free(r.doubt_of);
     pith_free(r.points);
     pith_free(r.colours);
     pith_free(r.which);

@@ -124,8 +124,8 @@ pith_status section_split(const section_work *work, pith_diffusion_section *sect
     s.positions = pith_alloc(corners, sizeof *s.positions);
     s.colours = pith_alloc(corners, sizeof *s.colours);
     s.kept = pith_alloc(s.view.triangle_count, sizeof *s.kept);
-    pith_status status = s.corner && s.index && s.positions && s.colours && s.kept ? PITH_OK
-                                                                                    : PITH_OUT_OF_MEMORY(err, "a section");
+    pith_status status =
+        s.corner && s.index && s.positions && s.colours && s.kept ? PITH_OK : PITH_OUT_OF_MEMORY(err, "a section");
     if (status == PITH_OK) {
         make_vertices(&s);
         leave_out_hollows(&s, section);

@@ -226,6 +226,9 @@ static void build_lines(pith_document *made, const json_t *from)
     const json_t *colour = json_object_get(from, "colour");
     made->drawn = from != NULL;
     json_options(from, &pith_line_params, &made->lines);
+    /* Where the light stands is what the picture says, when the lines do not. */
+    if (!json_object_get(from, "light_azimuth")) made->lines.light_azimuth = made->render.light_azimuth;
+    if (!json_object_get(from, "light_elevation")) made->lines.light_elevation = made->render.light_elevation;
     if (!colour) return;
     float rgb[3];
     json_colour(colour, rgb);

@@ -22,6 +22,8 @@ static const pith_param render_items[] = {
       offsetof(pith_render_options, ambient), NULL },
     { "gloss", "1", "strength of the highlight on sections, less on skin; 0 is matt", PITH_PARAM_DOUBLE, 0, 0.5, 1,
       offsetof(pith_render_options, gloss), NULL },
+    { "shade_steps", "1", "steps in which light falls off over a surface, as in a painted picture; 0 is smooth",
+      PITH_PARAM_UINT, 0, 0, 16, offsetof(pith_render_options, shade_steps), NULL },
     { "bounces", "1", "mirrors that a ray goes by in turn; 0 mirrors nothing", PITH_PARAM_UINT, 0, 3, 8,
       offsetof(pith_render_options, bounces), NULL },
     { "zenith", "1", "brightness of the sky overhead in mirrors, of the background; other than 1 gives them shape",

@@ -68,19 +68,37 @@ static void tone(const render_scene *scene, double colour[3])
     for (int k = 0; k < 3; ++k) colour[k] *= factor;
 }
 
+/* How much of the key light a matt surface sends back. In steps it is taken from the middle of the light, so that their
+   borders are lines. */
+static double matt(const render_scene *scene, const place *at)
+{
+    const double steps = scene->options->shade_steps;
+    const double facing = steps > 0.0 ? pith_dot(at->normal, scene->view.light) : at->facing;
+    const double part = fmax(0.0, (facing + wrap) / (1.0 + wrap));
+    return steps > 0.0 ? fmin(1.0, floor(part * (steps + 1.0)) / steps) : part;
+}
+
+/* The highlight's share; in steps it is there or not. */
+static double lobe(const render_scene *scene, const place *at, pith_vec3 half)
+{
+    const double part = pow(fmax(0.0, pith_dot(at->normal, half)), shine);
+    return scene->options->shade_steps > 0 ? part > 0.5 : part;
+}
+
 void render_shade(const render_scene *scene, const render_scratch *s, const place *at, double colour[3])
 {
     const pith_render_options *o = scene->options;
     const bool lit = at->key_ray == PITH_NONE || !s->blocked[at->key_ray];
     const bool open = at->sky_ray == PITH_NONE || !s->blocked[at->sky_ray];
     const bool from_floor = open && scene->has_floor && pith_dot(at->sky, scene->view.sky) < 0.0;
-    const double key = lit ? o->light_strength * fmax(0.0, (at->facing + wrap) / (1.0 + wrap)) : 0.0;
+    const double key = lit ? o->light_strength * matt(scene, at) : 0.0;
 
     const double toward_eye = fmax(0.0, pith_dot(at->normal, at->view));
     double glare = open ? o->ambient * render_fresnel(reflectance, toward_eye) : 0.0;
     if (lit && at->facing > 0.0) {
-        const pith_vec3 half = pith_unit(pith_add(at->key, at->view));
-        const double peak = (shine + 8.0) / 8.0 * pow(fmax(0.0, pith_dot(at->normal, half)), shine);
+        const pith_vec3 toward = o->shade_steps > 0 ? scene->view.light : at->key;
+        const pith_vec3 half = pith_unit(pith_add(toward, at->view));
+        const double peak = (shine + 8.0) / 8.0 * lobe(scene, at, half);
         glare += o->light_strength * at->facing * peak * render_fresnel(reflectance, pith_dot(half, at->view));
     }
     /* A mirror shows the light and the sky themselves. */

@@ -11,7 +11,7 @@ static pith_status render_surfaces(pith_model *model, bool coarse, const pith_pr
     PITH_TRY(pith_model_scene(model, &items, &count, err));
     PITH_TRY(pith_model_view(model, &camera, &options, err));
     if (coarse) options.samples = 1;
-    const pith_line_options *lines = pith_model_lines(model);
+    const pith_line_options *lines = coarse ? NULL : pith_model_lines(model);
     PITH_TRY(pith_render(items, count, &camera, &options, progress, image, err));
     const pith_status status = lines ? pith_render_lines(items, count, NULL, &camera, lines, progress, *image, err) : PITH_OK;
     if (status != PITH_OK) pith_image_destroy(*image);

@@ -347,8 +347,7 @@ static double place_along(pith_vec3 a, pith_vec3 b, pith_vec3 p)
 static pith_status insert_on_edge(pith_facets *f, uint32_t h, pith_vec3 p, uint32_t *vertex, pith_error *err)
 {
     const uint32_t a = edge_from(f, h), b = edge_to(f, h);
-    const pith_vec3 on =
-        pith_lerp(f->positions[a], f->positions[b], place_along(f->positions[a], f->positions[b], p));
+    const pith_vec3 on = pith_lerp(f->positions[a], f->positions[b], place_along(f->positions[a], f->positions[b], p));
     const double from_a = pith_distance(on, f->positions[a]), from_b = pith_distance(on, f->positions[b]);
     if (fmin(from_a, from_b) <= f->tolerance) {
         *vertex = from_a <= from_b ? a : b;

@@ -69,11 +69,11 @@ typedef struct chain {
 
 typedef struct end_place {
     cut_end at;
-    uint32_t triangle; /* of the surface, in which it was found */
+    uint32_t triangle;  /* of the surface, in which it was found */
     uint32_t chain_end; /* 2 * chain + (0: start, 1: end) */
     pith_vec3 point;
-    double along;     /* facet edges: place between low and high */
-    uint64_t order;   /* others: along a curve that fills space */
+    double along;   /* facet edges: place between low and high */
+    uint64_t order; /* others: along a curve that fills space */
     uint32_t vertex;
     bool on_border;
 } end_place;
@@ -115,8 +115,7 @@ static bool find_piece(const cutting *c, uint32_t s, uint32_t t, piece *found)
     for (int j = 0; j < 3; ++j) before[j] = side_of_other(&p, a.p[j]);
     if (all_same(before[0], before[1], before[2]) || before[0] == 0) return false;
     for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j)
-            pass[i][j] = passing(p.p[i], p.p[(i + 1) % 3], a.p[j], a.p[(j + 1) % 3]);
+        for (int j = 0; j < 3; ++j) pass[i][j] = passing(p.p[i], p.p[(i + 1) % 3], a.p[j], a.p[(j + 1) % 3]);
     int starts = 0, ends = 0;
     for (int i = 0; i < 3; ++i) { /* edges of t that pierce s: upward the segment starts */
         if (above[i] == above[(i + 1) % 3] || !all_same(pass[i][0], pass[i][1], pass[i][2])) continue;
@@ -236,16 +235,16 @@ static bool add_chain(cutting *c, uint32_t t, const piece *first, const piece *l
     if (!pith_grow((void **)&c->chains, &c->chain_room, (size_t)c->chain_count + 1, sizeof *c->chains) ||
         !pith_grow((void **)&c->ends, &c->end_room, (size_t)c->end_count + 2, sizeof *c->ends))
         return false;
-    c->ends[c->end_count++] = (end_place){ .at = first->start,
-                                           .triangle = first->triangle,
-                                           .chain_end = 2 * c->chain_count,
-                                           .on_border = first->start.facet_edge &&
-                                                        !goes_on(c, first, &first->start, first->start_edge) };
-    c->ends[c->end_count++] = (end_place){ .at = last->end,
-                                           .triangle = last->triangle,
-                                           .chain_end = 2 * c->chain_count + 1,
-                                           .on_border = last->end.facet_edge &&
-                                                        !goes_on(c, last, &last->end, last->end_edge) };
+    c->ends[c->end_count++] =
+        (end_place){ .at = first->start,
+                     .triangle = first->triangle,
+                     .chain_end = 2 * c->chain_count,
+                     .on_border = first->start.facet_edge && !goes_on(c, first, &first->start, first->start_edge) };
+    c->ends[c->end_count++] =
+        (end_place){ .at = last->end,
+                     .triangle = last->triangle,
+                     .chain_end = 2 * c->chain_count + 1,
+                     .on_border = last->end.facet_edge && !goes_on(c, last, &last->end, last->end_edge) };
     c->chains[c->chain_count++] = (chain){ .facet = c->f->facet_of[first->triangle], .triangle = t };
     return true;
 }
@@ -259,8 +258,7 @@ static pith_status cut_by(cutting *c, uint32_t t, pith_error *err)
     if (c->found.count == 0) return PITH_OK;
     qsort(c->found.items, c->found.count, sizeof *c->found.items, by_number);
     for (uint32_t i = 0; i < c->found.count; ++i) {
-        room = room &&
-               pith_grow((void **)&c->pieces, &c->piece_room, (size_t)c->piece_count + 1, sizeof *c->pieces);
+        room = room && pith_grow((void **)&c->pieces, &c->piece_room, (size_t)c->piece_count + 1, sizeof *c->pieces);
         if (room && find_piece(c, c->found.items[i], t, &c->pieces[c->piece_count])) ++c->piece_count;
     }
     for (uint32_t i = 0; i < c->piece_count && room; ++i) {
@@ -325,8 +323,8 @@ static pith_vec3 place_on_edge(const cutting *c, const end_place *end)
     const pith_vec3 a = c->f->positions[end->at.low], b = c->f->positions[end->at.high];
     const triple corner = corners_of(c->by->positions, c->by->triangles[end->at.face]);
     const pith_vec3 normal = pith_cross(pith_sub(corner.p[1], corner.p[0]), pith_sub(corner.p[2], corner.p[0]));
-    const pith_vec3 found = crossing(a, b, pith_dot(pith_sub(a, corner.p[0]), normal),
-                                     pith_dot(pith_sub(b, corner.p[0]), normal));
+    const pith_vec3 found =
+        crossing(a, b, pith_dot(pith_sub(a, corner.p[0]), normal), pith_dot(pith_sub(b, corner.p[0]), normal));
     double weights[3];
     const pith_vec3 inside = pith_nearest_on_triangle(corner.p, found, weights);
     if (!(pith_distance(inside, found) > c->f->tolerance)) return found;
@@ -392,6 +390,7 @@ static bool same_end(const cut_end *a, const cut_end *b)
 
 static pith_status insert_ends(cutting *c, pith_error *err)
 {
+    if (c->end_count == 0) return PITH_OK;
     find_places(c);
     qsort(c->ends, c->end_count, sizeof *c->ends, by_place);
     uint32_t last = PITH_NONE;
@@ -426,8 +425,7 @@ static pith_status cut_facets(cutting *c, pith_error *err)
     for (uint32_t i = 0; i < c->chain_count; ++i) {
         const chain *of = &c->chains[i];
         if (of->start == PITH_NONE || of->end == PITH_NONE) continue; /* in a facet narrower than the tolerance */
-        PITH_TRY(
-            facets_force(c->f, of->facet, of->start, of->end, 2 * of->triangle, 2 * of->triangle + 1, err));
+        PITH_TRY(facets_force(c->f, of->facet, of->start, of->end, 2 * of->triangle, 2 * of->triangle + 1, err));
     }
     return PITH_OK;
 }

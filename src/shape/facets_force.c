@@ -20,7 +20,10 @@ static place place_of(const pith_facets *f, uint32_t facet, uint32_t a, uint32_t
     return (place){ (ab.x * ap.y - ab.y * ap.x) / sqrt(size), pith_dot(ab, ap) / size };
 }
 
-static bool lies_between(const pith_facets *f, place at) { return fabs(at.off) <= f->tolerance && at.along > 0.0 && at.along < 1.0; }
+static bool lies_between(const pith_facets *f, place at)
+{
+    return fabs(at.off) <= f->tolerance && at.along > 0.0 && at.along < 1.0;
+}
 
 /* ---- marking --------------------------------------------------------------------------------------------------------- */
 

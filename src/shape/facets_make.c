@@ -1,6 +1,7 @@
 /* From a surface to facets: welding, neighbours, sets of triangles in one plane, and a triangulation of each from its
    border, joined to the others. */
 #include "facets_internal.h"
+#include "slab_internal.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -87,7 +88,8 @@ static double longest_edge(const pith_facets *f, uint32_t t)
 {
     double longest = 0.0;
     for (int k = 0; k < 3; ++k)
-        longest = fmax(longest, pith_distance(f->positions[f->corners[t][k]], f->positions[f->corners[t][(k + 1) % 3]]));
+        longest =
+            fmax(longest, pith_distance(f->positions[f->corners[t][k]], f->positions[f->corners[t][(k + 1) % 3]]));
     return longest;
 }
 
@@ -174,7 +176,8 @@ static bool push_border(const pith_facets *f, uint32_t a, uint32_t b, number_lis
 }
 
 /* One large triangle about the border; its corners are the three vertices behind those of the surface. */
-static pith_status start_facet(pith_facets *f, uint32_t facet, uint32_t outer, const number_list *pairs, pith_error *err)
+static pith_status start_facet(pith_facets *f, uint32_t facet, uint32_t outer, const number_list *pairs,
+                               pith_error *err)
 {
     double low[2] = { INFINITY, INFINITY }, high[2] = { -INFINITY, -INFINITY };
     for (uint32_t i = 0; i < pairs->count; ++i) {
@@ -244,19 +247,10 @@ static void keep_inner(pith_facets *f, uint32_t first, const int *winding, uint3
     f->triangle_count = kept;
 }
 
-static pith_status triangulate(pith_facets *f, uint32_t facet, uint32_t outer, const number_list *pairs,
-                               number_list *inserted, pith_error *err)
+/* Makes the pairs edges, and keeps the triangles from `first` on that lie within them. */
+static pith_status follow_border(pith_facets *f, uint32_t facet, uint32_t first, const number_list *pairs,
+                                 pith_error *err)
 {
-    const uint32_t first = f->triangle_count;
-    PITH_TRY(start_facet(f, facet, outer, pairs, err));
-    if (!pith_grow((void **)&inserted->items, &inserted->room, f->vertex_count, sizeof *inserted->items))
-        return PITH_OUT_OF_MEMORY(err, "facets");
-    for (uint32_t i = 0; i < pairs->count; ++i) {
-        const uint32_t v = pairs->items[i];
-        if (inserted->items[v] == facet + 1) continue;
-        inserted->items[v] = facet + 1;
-        PITH_TRY(facets_insert_known(f, facet, v, err));
-    }
     f->building = true;
     pith_status status = PITH_OK;
     for (uint32_t i = 0; i < pairs->count && status == PITH_OK; i += 2)
@@ -272,6 +266,22 @@ static pith_status triangulate(pith_facets *f, uint32_t facet, uint32_t outer, c
     pith_free(index);
     f->frames[facet].hint = f->triangle_count > first ? first : PITH_NONE;
     return status;
+}
+
+static pith_status triangulate(pith_facets *f, uint32_t facet, uint32_t outer, const number_list *pairs,
+                               number_list *inserted, pith_error *err)
+{
+    const uint32_t first = f->triangle_count;
+    PITH_TRY(start_facet(f, facet, outer, pairs, err));
+    if (!pith_grow((void **)&inserted->items, &inserted->room, f->vertex_count, sizeof *inserted->items))
+        return PITH_OUT_OF_MEMORY(err, "facets");
+    for (uint32_t i = 0; i < pairs->count; ++i) {
+        const uint32_t v = pairs->items[i];
+        if (inserted->items[v] == facet + 1) continue;
+        inserted->items[v] = facet + 1;
+        PITH_TRY(facets_insert_known(f, facet, v, err));
+    }
+    return follow_border(f, facet, first, pairs, err);
 }
 
 /* A facet of one triangle whose border nobody has divided is that triangle. */
@@ -331,6 +341,13 @@ static pith_status make_facets(pith_facets *f, uint32_t *start, uint32_t *member
 
 /* ---- making ------------------------------------------------------------------------------------------------------------- */
 
+static pith_status start_splits(pith_facets *f, pith_error *err)
+{
+    f->split_slots = 64;
+    f->splits = pith_alloc(f->split_slots, sizeof *f->splits);
+    return f->splits ? PITH_OK : PITH_OUT_OF_MEMORY(err, "the borders of facets");
+}
+
 static pith_status copy_surface(pith_facets *f, const pith_mesh_view *surface, pith_error *err)
 {
     const uint32_t n = surface->triangle_count;
@@ -341,13 +358,12 @@ static pith_status copy_surface(pith_facets *f, const pith_mesh_view *surface, p
     f->frames = pith_alloc(n, sizeof *f->frames);
     f->sources = pith_alloc(n, sizeof *f->sources);
     f->normals = pith_alloc(n, sizeof *f->normals);
-    f->split_slots = 64;
-    f->splits = pith_alloc(f->split_slots, sizeof *f->splits);
-    if (!f->corners || !f->across || !f->facet_of || !f->frames || !f->sources || !f->normals || !f->splits)
+    if (!f->corners || !f->across || !f->facet_of || !f->frames || !f->sources || !f->normals)
         return PITH_OUT_OF_MEMORY(err, "facets");
+    PITH_TRY(start_splits(f, err));
     PITH_TRY(facets_room(f, surface->vertex_count, 0, err));
     for (uint32_t v = 0; v < surface->vertex_count; ++v) facets_add_vertex(f, surface->positions[v]);
-    memcpy(f->corners, surface->triangles, n * sizeof *f->corners);
+    if (n > 0) memcpy(f->corners, surface->triangles, n * sizeof *f->corners);
     memset(f->across, 0xff, n * sizeof *f->across);
     return PITH_OK;
 }
@@ -383,8 +399,7 @@ static pith_status make(pith_facets *f, const pith_mesh_view *surface, pith_erro
         uses = pith_alloc(3 * (size_t)f->triangle_count, sizeof *uses);
         status = uses ? PITH_OK : PITH_OUT_OF_MEMORY(err, "facets");
     }
-    if (status == PITH_OK)
-        pair_edges((const uint32_t(*)[3])f->triangles, f->facets, f->triangle_count, uses, f->mates);
+    if (status == PITH_OK) pair_edges((const uint32_t(*)[3])f->triangles, f->facets, f->triangle_count, uses, f->mates);
     pith_free(order);
     pith_free(same);
     pith_free(uses);
@@ -419,9 +434,10 @@ pith_status pith_facets_create(const pith_mesh_view *surface, double tolerance, 
 void pith_facets_destroy(pith_facets *f)
 {
     if (!f) return;
-    void *const arrays[] = { f->corners, f->across,  f->facet_of, f->positions, f->at,          f->triangles,
-                             f->mates,   f->marks,   f->facets,   f->frames,    f->sources,     f->normals,
-                             f->splits,  f->stack.items, f->fan.items, f->jobs.items, f->crossed.items, f->renewed.items };
+    void *const arrays[] = { f->corners,    f->across,        f->facet_of,     f->positions,   f->at,
+                             f->triangles,  f->mates,         f->marks,        f->facets,      f->frames,
+                             f->sources,    f->normals,       f->splits,       f->stack.items, f->fan.items,
+                             f->jobs.items, f->crossed.items, f->renewed.items };
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; ++i) pith_free(arrays[i]);
     pith_free(f);
 }
@@ -440,4 +456,51 @@ pith_facets_view pith_facets_look(const pith_facets *f)
                                .triangle_count = f->triangle_count,
                                .facet_count = f->facet_count,
                                .lost = f->lost };
+}
+
+/* ---- regions of a plane --------------------------------------------------------------------------------------------------- */
+
+/* One facet in the plane of x and y. */
+static pith_status start_region(pith_facets *f, const pith_vec3 *points, uint32_t count, pith_error *err)
+{
+    const pith_box box = pith_box_of(points, count);
+    f->tolerance = 1e-13 * pith_distance(box.low, box.high);
+    f->facet_count = 1;
+    f->frames = pith_alloc(1, sizeof *f->frames);
+    PITH_TRY(start_splits(f, err));
+    if (!f->frames) return PITH_OUT_OF_MEMORY(err, "the triangles of a plan");
+    f->frames[0] = (facet_frame){ .x = { 1, 0, 0 }, .y = { 0, 1, 0 }, .hint = PITH_NONE };
+    PITH_TRY(facets_room(f, count + 3, 2 * count, err));
+    for (uint32_t v = 0; v < count; ++v) facets_add_vertex(f, points[v]);
+    for (int i = 0; i < 3; ++i) facets_add_vertex(f, pith_v3(0, 0, 0));
+    return PITH_OK;
+}
+
+static pith_status fill_region(pith_facets *f, uint32_t count, const number_list *border, pith_error *err)
+{
+    PITH_TRY(start_facet(f, 0, count, border, err));
+    for (uint32_t v = 0; v < count; ++v) PITH_TRY(facets_insert_known(f, 0, v, err));
+    PITH_TRY(follow_border(f, 0, 0, border, err));
+    if (f->lost == 0 && f->vertex_count == count + 3) return PITH_OK;
+    return pith_fail(err, PITH_BAD_ARGUMENT, "the plan is so narrow that its border cannot be followed; raise detail");
+}
+
+pith_status mesh_triangulate(const pith_vec3 *points, uint32_t count, const uint32_t *next, uint32_t border_count,
+                             uint32_t (**triangles)[3], uint32_t *triangle_count, pith_error *err)
+{
+    pith_facets *f = pith_alloc(1, sizeof *f);
+    if (!f) return PITH_OUT_OF_MEMORY(err, "the triangles of a plan");
+    number_list border = { 0 };
+    bool room = true;
+    for (uint32_t v = 0; v < border_count; ++v) room = room && number_push(&border, v) && number_push(&border, next[v]);
+    pith_status status = room ? start_region(f, points, count, err) : PITH_OUT_OF_MEMORY(err, "the border of a plan");
+    if (status == PITH_OK) status = fill_region(f, count, &border, err);
+    if (status == PITH_OK) {
+        *triangles = f->triangles;
+        *triangle_count = f->triangle_count;
+        f->triangles = NULL;
+    }
+    pith_free(border.items);
+    pith_facets_destroy(f);
+    return status;
 }

@@ -4,7 +4,7 @@
 
 #include "pith/shape.h"
 
-/* ---- mesh_plane.c ------------------------------------------------------------------------------------------------ */
+/* ---- facets_make.c ----------------------------------------------------------------------------------------------- */
 
 /* Constrained Delaunay triangulation of points in x and y (z is not looked at). The first border_count points form
    closed loops, next[v] being the point behind v with the region to the left; the triangles fill the region,

@@ -2,20 +2,24 @@
    are along the line. */
 #include "sketch_internal.h"
 
-enum { LEAF = 8 }; /* segments */
+enum { LEAF = 4 }; /* segments */
 
-static struct sketch_box box_of(pith_vec2 a, pith_vec2 b)
+/* Without the care for NaN that fmin and fmax take, which costs half the time. */
+static inline double lesser(double a, double b) { return a < b ? a : b; }
+static inline double greater(double a, double b) { return a > b ? a : b; }
+
+static inline struct sketch_box box_of(pith_vec2 a, pith_vec2 b)
 {
-    return (struct sketch_box){ { fmin(a.x, b.x), fmin(a.y, b.y) }, { fmax(a.x, b.x), fmax(a.y, b.y) } };
+    return (struct sketch_box){ { lesser(a.x, b.x), lesser(a.y, b.y) }, { greater(a.x, b.x), greater(a.y, b.y) } };
 }
 
 static struct sketch_box joined(struct sketch_box a, struct sketch_box b)
 {
-    return (struct sketch_box){ { fmin(a.low.x, b.low.x), fmin(a.low.y, b.low.y) },
-                                { fmax(a.high.x, b.high.x), fmax(a.high.y, b.high.y) } };
+    return (struct sketch_box){ { lesser(a.low.x, b.low.x), lesser(a.low.y, b.low.y) },
+                                { greater(a.high.x, b.high.x), greater(a.high.y, b.high.y) } };
 }
 
-static bool apart(struct sketch_box a, struct sketch_box b)
+static inline bool apart(struct sketch_box a, struct sketch_box b)
 {
     return a.high.x < b.low.x || b.high.x < a.low.x || a.high.y < b.low.y || b.high.y < a.low.y;
 }

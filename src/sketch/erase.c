@@ -14,8 +14,8 @@
 /* A crossing nearer than this to an edge's end, as a fraction of its length, goes through the end: slivers would be of
    no use to what is computed on the surface, and the border is off by less than anyone sees. */
 static const double near_end = 1e-4;
-/* Of the mesh's diagonal: as far as values are rounding. */
-static const double nothing = 1e-12;
+/* Of the mesh's diagonal: as far as values are rounding, and as far as a crossing may be from the zero. */
+static const double rounding = 1e-12, found_near = 1e-10;
 
 enum { CURVE_SAMPLES = 513, MOST_STEPS = 40 };
 
@@ -187,44 +187,45 @@ static void narrow(bracket *b, double t, double value)
     }
 }
 
-/* Finds the zeros on all crossed edges at once by false position with Illinois' rule (Dowell and Jarratt 1971). A plane's
-   are where the first straight line says. */
+/* Finds the zeros on all crossed edges at once by false position with Illinois' rule (Dowell and Jarratt 1971); those that
+   are found drop out. A plane's are where the first straight line says. size: the mesh's diagonal. */
 static pith_status search(const scalar *s, const working *w, const surface_edges *edges, const double *values,
-                          double enough, crossings *c, pith_error *err)
+                          double size, crossings *c, pith_error *err)
 {
     bracket *b = pith_alloc(c->count, sizeof *b);
+    uint32_t *open = pith_alloc(c->count, sizeof *open);
     pith_vec3 *points = pith_alloc(c->count, sizeof *points);
     double *found = pith_alloc(c->count, sizeof *found);
     pith_status status = PITH_OK;
-    if (!b || !points || !found) {
+    if (!b || !open || !points || !found) {
         status = PITH_OUT_OF_MEMORY(err, "crossed edges");
         goto done;
     }
-    for (uint32_t i = 0; i < c->count; ++i) {
+    uint32_t count = c->count;
+    for (uint32_t i = 0; i < count; ++i) {
         const uint32_t *end = edges->ends[c->edge[i]];
         b[i] = (bracket){ 0.0, 1.0, values[end[0]], values[end[1]], 0 };
+        open[i] = i;
     }
-    bool more = c->count > 0;
-    for (int step = 0; more && step < MOST_STEPS; ++step) {
-        for (uint32_t i = 0; i < c->count; ++i) {
-            const uint32_t *end = edges->ends[c->edge[i]];
+    for (int step = 0; count > 0 && step < MOST_STEPS; ++step) {
+        for (uint32_t k = 0; k < count; ++k) {
+            const uint32_t i = open[k], *end = edges->ends[c->edge[i]];
             c->t[i] = b[i].low + (b[i].high - b[i].low) * (b[i].low_value / (b[i].low_value - b[i].high_value));
-            points[i] = pith_lerp(w->positions[end[0]], w->positions[end[1]], c->t[i]);
+            points[k] = pith_lerp(w->positions[end[0]], w->positions[end[1]], c->t[i]);
         }
         if (s->erase->kind == PITH_ERASE_PLANE) break;
-        PITH_TRY_OR(done, evaluate(s, points, c->count, found, err));
-        more = false;
-        for (uint32_t i = 0; i < c->count; ++i) {
-            if (fabs(found[i]) <= enough) {
-                b[i].low = b[i].high = c->t[i]; /* there it stays */
-                continue;
-            }
-            narrow(&b[i], c->t[i], found[i]);
-            more = true;
+        PITH_TRY_OR(done, evaluate(s, points, count, found, err));
+        uint32_t left = 0;
+        for (uint32_t k = 0; k < count; ++k) {
+            if (fabs(found[k]) <= found_near * size) continue;
+            narrow(&b[open[k]], c->t[open[k]], found[k]);
+            open[left++] = open[k];
         }
+        count = left;
     }
 done:
     pith_free(b);
+    pith_free(open);
     pith_free(points);
     pith_free(found);
     return status;
@@ -258,7 +259,7 @@ static pith_status add_vertices(working *w, const surface_edges *edges, const in
 }
 
 static pith_status find_crossings(const scalar *s, working *w, const surface_edges *edges, const double *values,
-                                  double enough, int8_t *signs, crossings *c, pith_error *err)
+                                  double size, int8_t *signs, crossings *c, pith_error *err)
 {
     c->edge = pith_alloc(edges->count, sizeof *c->edge);
     c->t = pith_alloc(edges->count, sizeof *c->t);
@@ -266,7 +267,7 @@ static pith_status find_crossings(const scalar *s, working *w, const surface_edg
     if (!c->edge || !c->t || !c->vertex) return PITH_OUT_OF_MEMORY(err, "crossed edges");
     for (uint32_t e = 0; e < edges->count; ++e)
         if (signs[edges->ends[e][0]] * signs[edges->ends[e][1]] < 0) c->edge[c->count++] = e;
-    PITH_TRY(search(s, w, edges, values, enough, c, err));
+    PITH_TRY(search(s, w, edges, values, size, c, err));
     snap(edges, c, signs);
     return add_vertices(w, edges, signs, c, err);
 }
@@ -317,7 +318,7 @@ static pith_status divide(working *w, const surface_edges *edges, const crossing
 }
 
 /* One erase from beginning to end. */
-static pith_status erase_one(const scalar *s, working *w, double enough, pith_error *err)
+static pith_status erase_one(const scalar *s, working *w, double size, pith_error *err)
 {
     surface_edges edges;
     PITH_TRY(surface_edges_find((const uint32_t(*)[3])w->triangles, (uint32_t)w->triangle_count,
@@ -332,8 +333,9 @@ static pith_status erase_one(const scalar *s, working *w, double enough, pith_er
         goto done;
     }
     PITH_TRY_OR(done, evaluate(s, w->positions, vertices, values, err));
-    for (size_t v = 0; v < vertices; ++v) signs[v] = (int8_t)((values[v] > enough) - (values[v] < -enough));
-    PITH_TRY_OR(done, find_crossings(s, w, &edges, values, enough, signs, &c, err));
+    for (size_t v = 0; v < vertices; ++v)
+        signs[v] = (int8_t)((values[v] > rounding * size) - (values[v] < -rounding * size));
+    PITH_TRY_OR(done, find_crossings(s, w, &edges, values, size, signs, &c, err));
     PITH_TRY_OR(done, divide(w, &edges, &c, signs, err));
     for (size_t v = 0; v < vertices; ++v) w->touched[v] |= signs[v] == 0;
 done:
@@ -488,7 +490,7 @@ done:
 
 /* ---- the whole ----------------------------------------------------------------------------------------------------------- */
 
-static pith_status make_erase(const pith_erase *erase, const pith_mesh_view *mesh, double enough, working *w,
+static pith_status make_erase(const pith_erase *erase, const pith_mesh_view *mesh, double size, working *w,
                               pith_error *err)
 {
     const bool pane = erase->kind == PITH_ERASE_VERTICAL || erase->kind == PITH_ERASE_HORIZONTAL;
@@ -499,7 +501,7 @@ static pith_status make_erase(const pith_erase *erase, const pith_mesh_view *mes
         if (!s.samples) return PITH_OUT_OF_MEMORY(err, "samples of a curve");
     }
     pith_status status = pane ? pith_curve_sample(&erase->curve, CURVE_SAMPLES, s.samples, NULL, err) : PITH_OK;
-    if (status == PITH_OK) status = erase_one(&s, w, enough, err);
+    if (status == PITH_OK) status = erase_one(&s, w, size, err);
     pith_free(s.samples);
     return status;
 }
@@ -526,13 +528,13 @@ pith_status pith_mesh_erase(const pith_mesh *mesh, const pith_erase *erases, siz
                                  : "erases");
     const pith_mesh_view view = pith_mesh_look(mesh);
     const pith_box box = pith_box_of(view.positions, view.vertex_count);
-    const double enough = view.vertex_count ? nothing * pith_distance(box.low, box.high) : 0.0;
+    const double size = view.vertex_count ? pith_distance(box.low, box.high) : 0.0;
     working w = { 0 };
     pith_status status = PITH_OK;
     PITH_TRY_OR(done, begin(&w, &view, err));
     drop_degenerate(&w);
     for (size_t i = 0; i < count; ++i) {
-        status = make_erase(&erases[i], &view, enough, &w, err);
+        status = make_erase(&erases[i], &view, size, &w, err);
         if (status != PITH_OK) {
             status = pith_fail_in(err, status, "erase %zu", i);
             goto done;

@@ -102,7 +102,7 @@ pith_status sketch_loop_around(const pith_sketch *sketch, const sketch_loop *loo
     /* The lines of folds, and where x is in each. */
     sketch_mark marks[2 * 64 + 2] = { { 0.0, 0 } };
     size_t count = 1;
-    if (across >= 2 * sketch->folds) {
+    if (sketch->folds > 0 && across >= 2 * sketch->folds) {
         const double width = 2.0 * M_PI / sketch->folds, begin = sketch->fold_angle * (M_PI / 180.0);
         const double line = begin - width * floor(begin / width); /* the first behind x */
         for (uint32_t i = 0; i < 2 * sketch->folds; ++i) {

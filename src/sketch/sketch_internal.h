@@ -12,7 +12,7 @@ static inline pith_vec2 v2_madd(pith_vec2 a, pith_vec2 b, double k) { return v2(
 static inline pith_vec2 v2_lerp(pith_vec2 a, pith_vec2 b, double t) { return v2_madd(a, v2_sub(b, a), t); }
 static inline double v2_dot(pith_vec2 a, pith_vec2 b) { return a.x * b.x + a.y * b.y; }
 static inline double v2_cross(pith_vec2 a, pith_vec2 b) { return a.x * b.y - a.y * b.x; }
-static inline double v2_length(pith_vec2 a) { return hypot(a.x, a.y); }
+static inline double v2_length(pith_vec2 a) { return sqrt(a.x * a.x + a.y * a.y); }
 static inline double v2_distance(pith_vec2 a, pith_vec2 b) { return v2_length(v2_sub(a, b)); }
 static inline bool v2_same(pith_vec2 a, pith_vec2 b) { return a.x == b.x && a.y == b.y; }
 /* Turned counter-clockwise by the angle whose cosine and sine are those of the unit vector `by`. */
@@ -83,7 +83,7 @@ typedef struct sketch_tree {
     struct sketch_box {
         pith_vec2 low, high;
     } * boxes;     /* of the nodes, the root is 1 */
-    size_t leaves; /* a power of two; leaf i has segments 8 i … */
+    size_t leaves; /* a power of two; leaf i has segments 4 i … */
     bool closed;
 } sketch_tree;
 

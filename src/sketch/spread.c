@@ -15,8 +15,8 @@
    two apart, and the solver could not tell which value is whose. */
 static const double least_weight = 1e-6, greatest_weight = 1e4;
 
-/* Up to so many unknowns a factor takes less time than iterating does, and a gigabyte at most. */
-enum { DIRECT_LIMIT = 400000 };
+/* Up to so many unknowns a factor takes far less time than iterating does, and two gigabytes at most. */
+enum { DIRECT_LIMIT = 1000000 };
 
 /* ---- edges and their weights ------------------------------------------------------------------------------------------- */
 

@@ -169,8 +169,8 @@ pith_status pith_sketch_vary(const pith_sketch *sketch, const pith_variation_opt
         if (i == TRIES) strength = 0.0; /* as it was drawn */
         PITH_TRY_OR(done, copy_sketch(sketch, &made, err));
         if (!(strength > 0.0)) break;
-        PITH_TRY_OR(done, (sketch->folds == 0 ? vary_texture : vary_folds)(sketch, options->seed, strength, made, err));
-        const pith_status fits = check_varied(&drawn, &made->sketch, err);
+        pith_status fits = (sketch->folds == 0 ? vary_texture : vary_folds)(sketch, options->seed, strength, made, err);
+        if (fits == PITH_OK) fits = check_varied(&drawn, &made->sketch, err);
         if (fits == PITH_OK) break;
         pith_varied_sketch_destroy(made);
         made = NULL;

@@ -320,23 +320,59 @@ static pith_status fold_fits(const model *of, const pith_vec2 *fold, bool *fits,
 
 /* ---- the new sketch ---------------------------------------------------------------------------------------------------------------- */
 
-/* The loop of one strand round the axis, its pieces blended linearly across the lines. */
+/* How the logarithm of the radius changes with the angle at p, which q and s follow: of the parabola through them. False
+   when the curve does not go on round the axis there. */
+static bool slope_at(pith_vec2 p, pith_vec2 q, pith_vec2 s, double *slope)
+{
+    const double a = atan2(v2_cross(p, q), v2_dot(p, q)), b = atan2(v2_cross(p, s), v2_dot(p, s));
+    if (!(a * b > 0.0 && fabs(b) > fabs(a))) return false;
+    const double to_q = log(v2_length(q) / v2_length(p)) / a, to_s = log(v2_length(s) / v2_length(p)) / b;
+    *slope = to_q + (to_q - to_s) * a / (b - a);
+    return true;
+}
+
+/* What a piece changes by at its end on a line, to meet the piece beyond half-way: in the logarithm of its radius, and in
+   the slope of that by the angle, but for lines with a corner. */
+typedef struct bend {
+    double value, slope;
+} bend;
+
+/* own and other: points at the line and from it on, each in its own piece, `step` 1 or -1 apart. */
+static bend meet_half_way(const pith_vec2 *own, int step, const pith_vec2 *other, bool corner)
+{
+    bend made = { .value = 0.5 * log(v2_length(*other) / v2_length(*own)) };
+    double slope, beyond;
+    if (!corner && slope_at(own[0], own[step], own[2 * step], &slope) &&
+        slope_at(other[0], other[-step], other[-2 * step], &beyond))
+        made.slope = 0.5 * (beyond - slope);
+    return made;
+}
+
+/* The change at a share t, 0 at the line and 1 at half the piece, of which the angle at the line is `angle` away, were it
+   even: a cubic that ends level. */
+static double bent(bend by, double t, double angle)
+{
+    if (t >= 1.0) return 0.0;
+    return by.value * (1.0 - t * t * (3.0 - 2.0 * t)) + by.slope * angle * t * (1.0 - t) * (1.0 - t);
+}
+
+/* The loop of one strand round the axis, its pieces blended across the lines. */
 static void join_pieces(const model *of, const strand *own, pith_vec2 *points, bool *corners)
 {
     const size_t n = own->count, folds = of->folds;
+    const bool corner = own->corners[0] || own->corners[n - 1];
     size_t k = 0;
     for (size_t f = 0; f < folds; ++f) {
         const pith_vec2 *piece = of->made + f * of->size + own->at;
         const pith_vec2 *before = of->made + (f + folds - 1) % folds * of->size + own->at;
         const pith_vec2 *behind = of->made + (f + 1) % folds * of->size + own->at;
-        const double first = v2_length(piece[0]), last = v2_length(piece[n - 1]);
-        const double by_first = 0.5 * (v2_length(before[n - 1]) + first) / first - 1.0;
-        const double by_last = 0.5 * (v2_length(behind[0]) + last) / last - 1.0;
+        const bend first = meet_half_way(piece, 1, before + n - 1, corner);
+        const bend last = meet_half_way(piece + n - 1, -1, behind, corner);
         for (size_t i = 0; i + 1 < n; ++i) {
-            const double t = (double)i / (double)(n - 1);
-            const double by = 1.0 + by_first * fmax(0.0, 1.0 - 2.0 * t) + by_last * fmax(0.0, 2.0 * t - 1.0);
+            const double t = 2.0 * (double)i / (double)(n - 1);
+            const double by = exp(bent(first, t, 0.5 * of->width) + bent(last, 2.0 - t, -0.5 * of->width));
             points[k] = v2_turn(v2(by * piece[i].x, by * piece[i].y), unit_at(of->begin + of->width * (double)f));
-            corners[k++] = own->corners[i] || (i == 0 && own->corners[n - 1]);
+            corners[k++] = own->corners[i] || (i == 0 && corner);
         }
     }
 }

@@ -64,21 +64,29 @@ static void put_together(const pyramid *of, double *made)
     }
 }
 
-/* One over the variance of each band; 0 for bands without any. */
+/* One over the variance of each band; 0 for bands without any to speak of. */
 static void weigh(const pyramid *of, double *weights)
 {
-    for (size_t l = 0; l < of->levels; ++l)
-        for (size_t c = 0; c < of->channels; ++c) {
+    for (size_t c = 0; c < of->channels; ++c) {
+        double whole = 0.0, largest = 0.0;
+        for (size_t l = 0; l < of->levels; ++l) {
             const size_t size = of->size >> l;
             const double *values = band(of, l, c);
-            double mean = 0.0, variance = 0.0, largest = 0.0;
+            double mean = 0.0, variance = 0.0;
             for (size_t i = 0; i < size; ++i) mean += values[i] / (double)size;
             for (size_t i = 0; i < size; ++i) {
                 variance += (values[i] - mean) * (values[i] - mean) / (double)size;
                 largest = fmax(largest, fabs(values[i]));
             }
-            weights[l * of->channels + c] = variance > 1e-24 * largest * largest ? 1.0 / variance : 0.0;
+            weights[l * of->channels + c] = variance;
+            whole += variance;
         }
+        const double least = fmax(1e-6 * whole, 1e-24 * largest * largest);
+        for (size_t l = 0; l < of->levels; ++l) {
+            double *weight = &weights[l * of->channels + c];
+            *weight = *weight > least ? 1.0 / *weight : 0.0;
+        }
+    }
 }
 
 /* Squared differences over variances, of the channels of one element each. */
@@ -92,33 +100,58 @@ static double unlike(const pyramid *made, const pyramid *drawn, const double *we
     return sum;
 }
 
-static size_t count_varying(const double *weights, size_t count)
+/* What is compared at one level: of the level itself those made already on either side, of coarser ones the ancestor and
+   the one behind it, which is made, too. Returns how many; at [4]: how far off i. */
+static size_t list_neighbours(size_t size, size_t i, bool own_level, int at[4])
 {
-    size_t varying = 0;
-    for (size_t k = 0; k < count; ++k) varying += weights[k] > 0.0;
-    return varying;
+    size_t count = 0;
+    if (own_level) {
+        for (int d = 1; d <= 2; ++d)
+            if (i >= (size_t)d) at[count++] = -d;
+        for (int d = 1; d <= 2; ++d)
+            if (i + (size_t)d >= size) at[count++] = d; /* the beginning again */
+    } else {
+        at[count++] = 0;
+        at[count++] = 1;
+    }
+    return count;
 }
 
-/* Which drawn element the made element i of this level is: one of those like enough by the coarser bands, as far from the
-   beginning of its parent as i is. sums [size of the level]: how unlike, of candidates. */
-static size_t choose(const pyramid *made, const pyramid *drawn, const double *weights, size_t level, size_t i,
-                     double *sums, pith_rng *rng)
+/* How unlike the made element i of a level, as far as it is known, is to the drawn element j: a mean over what varies. */
+static double surroundings(const pyramid *made, const pyramid *drawn, const double *weights, const size_t *varying,
+                           size_t level, size_t i, size_t j)
 {
-    const double enough = 0.5;
-    const size_t size = made->size >> level, coarser = made->levels - level - 1;
-    const size_t terms = count_varying(weights + (level + 1) * made->channels, coarser * made->channels);
+    double sum = 0.0;
+    size_t terms = 0;
+    for (size_t l = level; l < made->levels; ++l) {
+        const size_t size = made->size >> l, a = i >> (l - level), b = j >> (l - level);
+        int at[4];
+        const size_t count = varying[l] > 0 ? list_neighbours(size, a, l == level, at) : 0;
+        for (size_t k = 0; k < count; ++k)
+            sum +=
+                unlike(made, drawn, weights, l, (a + size + (size_t)at[k]) % size, (b + size + (size_t)at[k]) % size);
+        terms += count * varying[l];
+    }
+    return terms > 0 ? sum / (double)terms : 0.0;
+}
+
+/* Which drawn element the made element i of this level is: one of those in like surroundings, as far from the beginning of
+   its parent as i is. off [size of the level]: scratch. */
+static size_t choose(const pyramid *made, const pyramid *drawn, const double *weights, const size_t *varying,
+                     size_t level, size_t i, double *off, pith_rng *rng)
+{
+    const double enough = 0.5; /* of what two elements at random differ by it is a quarter */
+    const size_t size = made->size >> level;
     size_t like = 0, best = i % 2;
     for (size_t j = i % 2; j < size; j += 2) {
-        sums[j] = 0.0;
-        for (size_t l = level + 1; l < made->levels; ++l)
-            sums[j] += unlike(made, drawn, weights, l, i >> (l - level), j >> (l - level));
-        if (sums[j] < sums[best]) best = j;
-        like += sums[j] <= enough * (double)terms;
+        off[j] = surroundings(made, drawn, weights, varying, level, i, j);
+        if (off[j] < off[best]) best = j;
+        like += off[j] <= enough;
     }
     if (like == 0) return best;
     uint32_t chosen = pith_rng_below(rng, (uint32_t)like);
     for (size_t j = i % 2; j < size; j += 2)
-        if (sums[j] <= enough * (double)terms && chosen-- == 0) return j;
+        if (off[j] <= enough && chosen-- == 0) return j;
     return best;
 }
 
@@ -144,11 +177,13 @@ pith_status vary_synthesise(const double *drawn, size_t channels, size_t size, u
     pyramid target = source;
     source.bands = pith_alloc(source.levels * channels * size, sizeof *source.bands);
     target.bands = pith_alloc(source.levels * channels * size, sizeof *target.bands);
-    double *weights = pith_alloc(source.levels * channels, sizeof *weights), *sums = pith_alloc(size, sizeof *sums);
-    const bool enough = source.bands && target.bands && weights && sums;
+    double *weights = pith_alloc(source.levels * channels, sizeof *weights), *off = pith_alloc(size, sizeof *off);
+    size_t varying[64] = { 0 }; /* channels at each level */
+    const bool enough = source.bands && target.bands && weights && off;
     if (enough) {
         take_apart(drawn, &source);
         weigh(&source, weights);
+        for (size_t k = 0; k < source.levels * channels; ++k) varying[k / channels] += weights[k] > 0.0;
         pith_rng rng = pith_rng_make(seed, 0);
         for (size_t l = source.levels; l-- > 0;)
             for (size_t i = 0; i < size >> l; ++i) {
@@ -156,7 +191,7 @@ pith_status vary_synthesise(const double *drawn, size_t channels, size_t size, u
                 if (i > 0 && l + 1 == source.levels)
                     j = pith_rng_below(&rng, (uint32_t)(size >> l));
                 else if (i > 0)
-                    j = choose(&target, &source, weights, l, i, sums, &rng);
+                    j = choose(&target, &source, weights, varying, l, i, off, &rng);
                 for (size_t c = 0; c < channels; ++c) band(&target, l, c)[i] = band(&source, l, c)[j];
                 if (l == 0) from[i] = (uint32_t)j;
             }
@@ -172,7 +207,7 @@ pith_status vary_synthesise(const double *drawn, size_t channels, size_t size, u
     pith_free(source.bands);
     pith_free(target.bands);
     pith_free(weights);
-    pith_free(sums);
+    pith_free(off);
     return enough ? PITH_OK : PITH_OUT_OF_MEMORY(err, "a texture of curves");
 }
 

@@ -70,6 +70,39 @@ static void test_key_light_head_on_gives_its_strength(void **state)
     pith_shell_destroy(shell);
 }
 
+/* Light in three steps over a ball: a pixel shows one of four brightnesses, whatever the size of the light. */
+static void test_light_in_steps(void **state)
+{
+    (void)state;
+    pith_error err;
+    const pith_quadric ball = pith_quadric_sphere(pith_v3(0.5, 0.5, 0.5), 0.6);
+    const pith_render_item item = { .quadrics = &ball, .quadric_count = 1, .colour = { 0.6f, 0.6f, 0.6f, 1 } };
+    const pith_camera camera = front_camera();
+    pith_render_options o = plain_options();
+    o.ambient = 0;
+    o.light_strength = 1;
+    o.light_azimuth = 90;
+    o.light_elevation = 0;
+    o.light_size = 30;
+    o.samples = 1;
+    o.transparent = true;
+    o.shade_steps = 3;
+    pith_image *image = NULL;
+    CHECK_OK(pith_render(&item, 1, &camera, &o, NULL, &image, &err));
+    size_t seen[4] = { 0 };
+    for (uint32_t y = 0; y < o.height; ++y)
+        for (uint32_t x = 0; x < o.width; ++x) {
+            const float *p = pixel(image, x, y);
+            if (!(p[3] > 0)) continue;
+            const double level = rint(p[0] / 0.2);
+            CHECK_NEAR(p[0], 0.2 * level, 1e-6);
+            CHECK_NEAR(level, 1.5, 1.5);
+            ++seen[(int)level];
+        }
+    for (int k = 0; k < 4; ++k) CHECK_AT_LEAST((double)seen[k], 40);
+    pith_image_destroy(image);
+}
+
 static void test_a_ramp_appears_where_perspective_puts_it(void **state)
 {
     (void)state;
@@ -481,6 +514,7 @@ int main(void)
         cmocka_unit_test(test_cameras_that_see_nothing),
         cmocka_unit_test(test_even_light_shows_the_solids_own_colour),
         cmocka_unit_test(test_key_light_head_on_gives_its_strength),
+        cmocka_unit_test(test_light_in_steps),
         cmocka_unit_test(test_a_ramp_appears_where_perspective_puts_it),
         cmocka_unit_test(test_transparent_background_and_edges),
         cmocka_unit_test(test_plain_meshes_show_their_colours),

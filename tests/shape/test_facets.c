@@ -2,6 +2,8 @@
    on both surfaces and close, whatever touches whatever. */
 #include "check.h"
 
+#include "mesh_internal.h"
+
 #include "pith/shape_facets.h"
 
 static pith_error err;
@@ -26,7 +28,8 @@ typedef pith_vec3 place(double u, double v, double with);
    the middle third when asked for. */
 static surface make_sheet(uint32_t n, double strewn, place *at, double with, bool hole)
 {
-    surface made = { malloc((n + 1) * (n + 1) * sizeof *made.positions), malloc(2 * n * n * sizeof *made.triangles),
+    surface made = { malloc((n + 1) * (n + 1) * sizeof *made.positions),
+                     malloc(2 * n * n * sizeof *made.triangles),
                      { 0 } };
     pith_rng rng = pith_rng_make(7, n);
     uint32_t t = 0;
@@ -171,7 +174,8 @@ static void check_whole(const pith_facets *facets, const pith_mesh_view *of)
                 view.marks[g / 3][g % 3] != PITH_NONE)
                 continue;
             const pith_vec3 from = view.positions[c[k]], to = view.positions[c[(k + 1) % 3]];
-            const pith_vec3 one = view.positions[c[(k + 2) % 3]], two = view.positions[view.triangles[g / 3][(g % 3 + 2) % 3]];
+            const pith_vec3 one = view.positions[c[(k + 2) % 3]],
+                            two = view.positions[view.triangles[g / 3][(g % 3 + 2) % 3]];
             worst = fmax(worst, angle_at(one, from, to) + angle_at(two, from, to) - M_PI);
         }
     }
@@ -249,7 +253,8 @@ static void test_a_plane_is_one_facet_with_its_border_alone(void **state)
                                                .triangles = view.triangles,
                                                .vertex_count = view.vertex_count,
                                                .triangle_count = view.triangle_count });
-        const measure of = measure_of(from.positions, from.view.triangles, from.view.triangle_count, from.view.vertex_count);
+        const measure of =
+            measure_of(from.positions, from.view.triangles, from.view.triangle_count, from.view.vertex_count);
         const measure m = measure_of(view.positions, view.triangles, view.triangle_count, view.vertex_count);
         CHECK_NEAR(m.area, of.area, 1e-12);
         assert_int_equal(m.euler, of.euler);
@@ -327,13 +332,17 @@ static void test_a_ball_cuts_a_circle(void **state)
         pith_facets *facets = NULL;
         CHECK_OK(pith_facets_create(&from.view, 1e-9, &facets, &err));
         const pith_facets_view before = pith_facets_look(facets);
-        const pith_mesh_view same = { .positions = from.positions, .triangles = before.triangles,
-                                      .vertex_count = from.view.vertex_count, .triangle_count = before.triangle_count };
-        uint32_t (*kept)[3] = malloc(same.triangle_count * sizeof *kept);
+        const pith_mesh_view same = { .positions = from.positions,
+                                      .triangles = before.triangles,
+                                      .vertex_count = from.view.vertex_count,
+                                      .triangle_count = before.triangle_count };
+        uint32_t(*kept)[3] = malloc(same.triangle_count * sizeof *kept);
         memcpy(kept, same.triangles, same.triangle_count * sizeof *kept);
         CHECK_OK(pith_facets_cut(facets, &by, &err));
-        check_whole(facets, &(pith_mesh_view){ .positions = from.positions, .triangles = (const uint32_t(*)[3])kept,
-                                               .vertex_count = same.vertex_count, .triangle_count = same.triangle_count });
+        check_whole(facets, &(pith_mesh_view){ .positions = from.positions,
+                                               .triangles = (const uint32_t(*)[3])kept,
+                                               .vertex_count = same.vertex_count,
+                                               .triangle_count = same.triangle_count });
         const cut_measure m = check_cut(facets, &by, 1e-8);
         const double r2 = 0.64 - 0.09;
         print_message("%u segments, length %.6f, area behind %.6f\n", m.segments, m.length, area_behind(facets));
@@ -419,11 +428,13 @@ static void test_a_border_in_the_other_surface(void **state)
                 const double x = pith_dot(by.positions[low], normal) - height,
                              y = pith_dot(by.positions[high], normal) - height;
                 if ((x > 0) == (y > 0)) continue;
-                ends[(pith_dot(by.positions[a], normal) > height)] = pith_lerp(by.positions[low], by.positions[high], x / (x - y));
+                ends[(pith_dot(by.positions[a], normal) > height)] =
+                    pith_lerp(by.positions[low], by.positions[high], x / (x - y));
                 ++found;
             }
             if (found != 2) continue;
-            memcpy(from.triangles[triangles++], (const uint32_t[3]){ 0, vertices, vertices + 1 }, sizeof *from.triangles);
+            memcpy(from.triangles[triangles++], (const uint32_t[3]){ 0, vertices, vertices + 1 },
+                   sizeof *from.triangles);
             from.positions[vertices++] = ends[0];
             from.positions[vertices++] = ends[1];
         }
@@ -435,8 +446,10 @@ static void test_a_border_in_the_other_surface(void **state)
                 from.triangles[t][2] = c;
             }
         }
-        from.view = (pith_mesh_view){ .positions = from.positions, .triangles = (const uint32_t(*)[3])from.triangles,
-                                      .vertex_count = vertices, .triangle_count = triangles };
+        from.view = (pith_mesh_view){ .positions = from.positions,
+                                      .triangles = (const uint32_t(*)[3])from.triangles,
+                                      .vertex_count = vertices,
+                                      .triangle_count = triangles };
         CHECK_OK(pith_facets_create(&from.view, 1e-9, &facets, &err));
         CHECK_OK(pith_facets_cut(facets, &by, &err));
         const pith_facets_view view = pith_facets_look(facets);
@@ -471,14 +484,17 @@ static void test_surfaces_that_cross_each_other(void **state)
                                        0.25 * nearbyint(4 * positions[i].z));
             triangles[i / 3][i % 3] = i;
         }
-        const pith_mesh_view by = { .positions = positions, .triangles = (const uint32_t(*)[3])triangles,
-                                    .vertex_count = 3 * COUNT, .triangle_count = COUNT };
+        const pith_mesh_view by = { .positions = positions,
+                                    .triangles = (const uint32_t(*)[3])triangles,
+                                    .vertex_count = 3 * COUNT,
+                                    .triangle_count = COUNT };
         pith_facets *facets = NULL;
         CHECK_OK(pith_facets_create(&from.view, 1e-9, &facets, &err));
         CHECK_OK(pith_facets_cut(facets, &by, &err));
         const pith_facets_view view = pith_facets_look(facets);
         const measure m = measure_of(view.positions, view.triangles, view.triangle_count, view.vertex_count);
-        const measure of = measure_of(from.positions, from.view.triangles, from.view.triangle_count, from.view.vertex_count);
+        const measure of =
+            measure_of(from.positions, from.view.triangles, from.view.triangle_count, from.view.vertex_count);
         const cut_measure cut = check_cut(facets, &by, 1e-7);
         print_message("%u segments, %u triangles, %u lost\n", cut.segments, view.triangle_count, view.lost);
         assert_int_equal(view.lost, 0);
@@ -506,7 +522,7 @@ static void test_points_and_divided_edges(void **state)
             const pith_facets_view view = pith_facets_look(facets);
             const uint32_t t = pith_rng_below(&rng, view.triangle_count);
             double w[3] = { pith_rng_unit(&rng), pith_rng_unit(&rng), pith_rng_unit(&rng) };
-            if (i % 5 == 0) w[i / 5 % 3] = 0.0; /* on an edge, */
+            if (i % 5 == 0) w[i / 5 % 3] = 0.0;        /* on an edge, */
             if (i % 35 == 0) w[(i / 5 + 1) % 3] = 0.0; /* at a corner */
             const double sum = w[0] + w[1] + w[2];
             pith_vec3 p = { 0, 0, 0 };
@@ -521,7 +537,8 @@ static void test_points_and_divided_edges(void **state)
                 assert_int_equal(vertex, before);
             }
         }
-        const measure of = measure_of(from.positions, from.view.triangles, from.view.triangle_count, from.view.vertex_count);
+        const measure of =
+            measure_of(from.positions, from.view.triangles, from.view.triangle_count, from.view.vertex_count);
         if (curved) check_whole(facets, &from.view);
         const pith_facets_view view = pith_facets_look(facets);
         const measure m = measure_of(view.positions, view.triangles, view.triangle_count, view.vertex_count);
@@ -532,6 +549,34 @@ static void test_points_and_divided_edges(void **state)
         pith_mesh_destroy(ball);
         surface_free(&from);
     }
+}
+
+/* ---- signs -------------------------------------------------------------------------------------------------------------------- */
+
+/* Of products of differences, against whole numbers; half of the directions are parallel. */
+static void test_signs_of_cross_products(void **state)
+{
+    (void)state;
+    pith_rng rng = pith_rng_make(21, 0);
+    int zeros = 0;
+    for (int i = 0; i < 20000; ++i) {
+        int64_t c[4][3];
+        for (int v = 0; v < 4; ++v)
+            for (int k = 0; k < 3; ++k) c[v][k] = (int64_t)(pith_rng_u32(&rng) >> 2) - (1 << 29);
+        if (i % 2) /* d = c + (b - a), but for a last unit now and then */
+            for (int k = 0; k < 3; ++k) c[3][k] = c[2][k] + c[1][k] - c[0][k] + (i % 8 == 1 && k == i / 8 % 3);
+        pith_vec3 p[4];
+        for (int v = 0; v < 4; ++v)
+            p[v] = pith_scale(pith_v3((double)c[v][0], (double)c[v][1], (double)c[v][2]), 0x1p-40);
+        for (int axis = 0; axis < 3; ++axis) {
+            const int x = (axis + 1) % 3, y = (axis + 2) % 3;
+            const int64_t exact = (c[1][x] - c[0][x]) * (c[3][y] - c[2][y]) -
+                                   (c[1][y] - c[0][y]) * (c[3][x] - c[2][x]);
+            assert_int_equal(mesh_cross_sign(p[0], p[1], p[2], p[3], axis), (exact > 0) - (exact < 0));
+            zeros += exact == 0;
+        }
+    }
+    assert_true(zeros > 10000);
 }
 
 /* ---- odd surfaces ------------------------------------------------------------------------------------------------------------ */
@@ -557,7 +602,8 @@ static void test_slivers(void **state)
         CHECK_OK(pith_facets_cut(facets, &by, &err));
         const pith_facets_view view = pith_facets_look(facets);
         const measure m = measure_of(view.positions, view.triangles, view.triangle_count, view.vertex_count);
-        const measure of = measure_of(from.positions, from.view.triangles, from.view.triangle_count, from.view.vertex_count);
+        const measure of =
+            measure_of(from.positions, from.view.triangles, from.view.triangle_count, from.view.vertex_count);
         print_message("%u facets, %u triangles, %u lost\n", view.facet_count, view.triangle_count, view.lost);
         assert_int_equal(view.lost, 0);
         CHECK_NEAR(m.area, of.area, 1e-8);
@@ -630,6 +676,7 @@ int main(void)
         cmocka_unit_test(test_a_border_in_the_other_surface),
         cmocka_unit_test(test_surfaces_that_cross_each_other),
         cmocka_unit_test(test_points_and_divided_edges),
+        cmocka_unit_test(test_signs_of_cross_products),
         cmocka_unit_test(test_slivers),
         cmocka_unit_test(test_nothing_and_refusals),
         cmocka_unit_test(test_memory_runs_out),

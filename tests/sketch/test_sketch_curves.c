@@ -163,8 +163,10 @@ static void test_crossings_are_those_that_brute_force_finds(void **state)
         for (size_t i = 0; i < 50; ++i) other[i] = v2(3 + 0.05 * (double)i, 4 - 0.1 * (double)i);
         bool expected = false, expected_other = false;
         for (size_t i = 0; i + 1 < count; ++i) {
-            for (size_t j = i + 2; j + 1 < count; ++j) expected |= segments_meet(line[i], line[i + 1], line[j], line[j + 1]);
-            for (size_t j = 0; j + 1 < 50; ++j) expected_other |= segments_meet(line[i], line[i + 1], other[j], other[j + 1]);
+            for (size_t j = i + 2; j + 1 < count; ++j)
+                expected |= segments_meet(line[i], line[i + 1], line[j], line[j + 1]);
+            for (size_t j = 0; j + 1 < 50; ++j)
+                expected_other |= segments_meet(line[i], line[i + 1], other[j], other[j + 1]);
         }
         sketch_tree tree, other_tree;
         size_t pair[2];
@@ -278,8 +280,10 @@ static void test_a_drag_moves_what_is_in_reach(void **state)
     int moved = 0;
     for (int i = 100; i < POINTS; ++i) {
         if (i > 100) along += v2_distance(was[i], was[i - 1]);
-        if (along > 0.7) assert_memory_equal(&line[i], &was[i], sizeof was[i]);
-        else ++moved;
+        if (along > 0.7)
+            assert_memory_equal(&line[i], &was[i], sizeof was[i]);
+        else
+            ++moved;
     }
     assert_in_range(moved, 45, 95);
     /* No jumps: neighbours turn by little more than they did. */
@@ -333,8 +337,10 @@ static void test_drags_of_loops_corners_and_whole_curves(void **state)
     for (int i = 1; i < 25; ++i) {
         CHECK_NEAR(circle.points[i].x, circle.points[50 - i].x, 1e-9);
         CHECK_NEAR(circle.points[i].y, -circle.points[50 - i].y, 1e-9);
-        if (i > 7) assert_true(v2_same(circle.points[i], was.points[i]));
-        else assert_false(v2_same(circle.points[i], was.points[i]));
+        if (i > 7)
+            assert_true(v2_same(circle.points[i], was.points[i]));
+        else
+            assert_false(v2_same(circle.points[i], was.points[i]));
     }
     /* A corner stays one: its two points go together, also over the closing. */
     pith_vec2 square[9] = { { 0, 0 }, { 1, 0 }, { 2, 0 }, { 2, 0 }, { 2, 1 }, { 2, 2 }, { 1, 2 }, { 0, 2 }, { 0, 0 } };
