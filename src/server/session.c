@@ -35,6 +35,7 @@ void document_release(held_document *shared)
     if (!own || atomic_fetch_sub_explicit(&own->holders, 1, memory_order_acq_rel) != 1) return;
     pith_document_destroy(shared->document);
     json_decref(shared->root);
+    json_decref(shared->bodies);
     pith_free(shared->text);
     pith_free(own);
 }
