@@ -9,7 +9,7 @@
 #include <string.h>
 #include <sys/resource.h>
 
-enum { SIDE = 200, CHECKED = 200, CHECKED_WALKS = 1 << 12, METHODS = 4 };
+enum { SIDE = 160, CHECKED = 200, CHECKED_WALKS = 1 << 12, METHODS = 4 };
 
 typedef struct method {
     const char *name;
@@ -157,7 +157,7 @@ static pith_status run_alone(const comparison *what, int m, section *on, json_t 
     if (status == PITH_OK) status = pith_diffusion_create(of.surfaces, of.count, &of.diffusion, err);
     if (status == PITH_OK) status = run_method(what, &of, m, on, row, err);
     json_object_set_new(row, "peak_memory_bytes", json_real(bench_peak()));
-    json_object_set_new(row, "mesher_peak_bytes",
+    json_object_set_new(row, "mesher_peak_so_far_bytes",
                         json_real(what->methods[m].method == PITH_DIFFUSION_POISSON ? helper_peak() : 0.0));
     bench_object_free(&of);
     return status;

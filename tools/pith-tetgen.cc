@@ -139,6 +139,21 @@ void refuse_crossings(const job &j)
     if (out.numberoftrifaces > 0) answer(PITH_TETGEN_CROSSES, static_cast<uint32_t>(out.numberoftrifaces));
 }
 
+// The most triangles that meet in one vertex.
+uint32_t most_valence(const job &j)
+{
+    std::vector<uint32_t> valence(j.request.point_count, 0);
+    uint32_t most = 0;
+    for (uint32_t v : j.triangles)
+        if (++valence[v] > most) most = valence[v];
+    return most;
+}
+
+// How deep flips that mend slivers are tried. Their number grows with the edges of a vertex to the power of the depth:
+// at the pole of a swept surface of 120 triangles depth 9 does not end within minutes. Depth 5 takes a second there and
+// leaves 7 % of the tetrahedra with angles below 10 degrees; elsewhere 9 leaves fewer.
+int flip_depth(const job &j) { return most_valence(j) > 48 ? 5 : 9; }
+
 // q: radius / edge bound and 14 degrees of dihedral angle; Y: the surface stays as it is; O9/7: most thorough
 // optimisation of slivers (without it 82 % of a sphere's tetrahedra have angles below 5 degrees); Q: quiet.
 void mesh(const job &j, tetgenio *out)
@@ -153,7 +168,7 @@ void mesh(const job &j, tetgenio *out)
     }
     char size[64] = "", switches[160];
     if (j.request.volume_bound > 0.0) snprintf(size, sizeof size, "a%.12e", j.request.volume_bound);
-    snprintf(switches, sizeof switches, "pq%.6f/14YO9/7Q%s%s", j.request.radius_edge, size,
+    snprintf(switches, sizeof switches, "pq%.6f/14YO%d/7Q%s%s", j.request.radius_edge, flip_depth(j), size,
              j.request.interior_count > 0 ? "i" : "");
     tetrahedralize(switches, &in, out, j.request.interior_count > 0 ? &extra : nullptr);
 }

@@ -71,7 +71,7 @@ pith_diffusion_options pith_diffusion_options_default(void);
 /** What preparing made; zeros for pmvc and wos. */
 typedef struct pith_diffusion_report {
     uint32_t tetrahedra, vertices, unknowns;
-    size_t bytes;               /* of tetrahedra with their colours; finding one's way in them takes about 140 more for each */
+    size_t bytes;               /* of tetrahedra with their colours; finding the way in them takes about 260 more for each */
     double mesh_seconds, solve_seconds;
 } pith_diffusion_report;
 

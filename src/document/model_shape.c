@@ -200,6 +200,17 @@ static pith_status refine(pith_model *model, pith_tets **tets, pith_error *err)
     return PITH_OK;
 }
 
+/* Stuffed tetrahedra do not keep the surface. Where the surface itself was at fault that is noted with its fault. */
+static void note_stuffing(pith_model *model)
+{
+    char complaint[400];
+    if (model->tets_report.why[0] == 0) return;
+    pith_mesh_complaint(&model->mesh_report, complaint, sizeof complaint);
+    if (model->mesh && complaint[0]) return;
+    model_note(model, "%sshape.tets: the surface is met approximately, by isosurface stuffing: %s", model->body->place,
+               model->tets_report.why);
+}
+
 static pith_status build_tets(pith_model *model, pith_error *err)
 {
     const pith_mesh *mesh;
@@ -215,6 +226,7 @@ static pith_status build_tets(pith_model *model, pith_error *err)
         return status;
     }
     PITH_TRY(model_hold(model, STAGE_TETS, tets, err));
+    note_stuffing(model);
     model_took(model, offsetof(pith_model_times, tets), start);
     byte_writer out = { 0 };
     if (model->owner->store && stage_save_tets(tets, &model->tets_report, &out, NULL) == PITH_OK)
@@ -232,7 +244,10 @@ static pith_status recall_tets(pith_model *model, pith_error *err)
     if (stage_load_tets(&kept, &tets, &model->tets_report, &damage) != PITH_OK)
         model_note_damage(model, "tetrahedra", &damage);
     model_release(&kept);
-    return tets ? model_hold(model, STAGE_TETS, tets, err) : PITH_OK;
+    if (!tets) return PITH_OK;
+    PITH_TRY(model_hold(model, STAGE_TETS, tets, err));
+    note_stuffing(model);
+    return PITH_OK;
 }
 
 pith_status pith_model_tets(pith_model *model, const pith_tets **tets, const pith_tets_report **report,

@@ -327,7 +327,9 @@ static pith_status make_from_file(const document_body *body, const document_surf
     to->mesh = to->drawn;
     if (status == PITH_OK) status = erase_parts(from, to, &ends, err);
     const given_attributes given = { &all.surfaces[chosen], ends };
-    if (status == PITH_OK && !from->coloured && from->paint_count == 0)
+    /* Only this part's colours matter, not those of others in the file. */
+    const bool bare = !from->coloured && from->paint_count == 0 && !given.read->front && !given.read->back;
+    if (status == PITH_OK && bare)
         status = pith_diffusion_surfaces_coloured(read, err);
     if (status == PITH_OK) status = colour_surface(body, from, to->drawn, &given, 1, to, err);
     if (status == PITH_OK) {

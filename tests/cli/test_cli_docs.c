@@ -86,6 +86,13 @@ static void test_procedural(void **state)
     CHECK_RUN(0, "test -f block.png -a -f spindles.png");
 }
 
+static void test_diffusion(void **state)
+{
+    (void)state;
+    CHECK_AT_LEAST(run_page("docs/diffusion.md"), 6);
+    CHECK_RUN(0, "test -f fruit.png -a -f fruit.glb -a -f section.glb");
+}
+
 static void test_baking(void **state)
 {
     (void)state;
@@ -114,6 +121,7 @@ int main(void)
         cmocka_unit_test(test_the_readme_lists_the_verbs),
         cmocka_unit_test(test_the_tutorial),
         cmocka_unit_test(test_cuts_and_volumes),
+        cmocka_unit_test(test_diffusion),
         cmocka_unit_test(test_baking),
         cmocka_unit_test(test_the_editor),
         cmocka_unit_test(test_procedural),

@@ -304,7 +304,7 @@ static void test_every_kind_of_solid_through_every_consumer(void **state)
                                    "\"noise\", \"function\": \"fractal\" }, "
                                    "{ \"name\": \"grey\", \"function\": \"curve\", \"of\": \"noise\", \"low\": -1, "
                                    "\"from\": 0.2 } ], \"colour\": \"grey\" }";
-    static const char flowing[] = "{ \"name\": \"flow\", \"kind\": \"diffusion\", \"rays\": 32 }";
+    static const char flowing[] = "{ \"name\": \"flow\", \"kind\": \"diffusion\", \"rays\": 16 }";
     char combined[4000];
     snprintf(combined, sizeof combined, "{ \"name\": \"all\", \"kind\": \"combined\", \"colour\": \"flow\", "
              "\"details\": [ { \"solid\": \"stone\", \"way\": \"shade\" }, { \"solid\": \"grey\", \"way\": "

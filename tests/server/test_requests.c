@@ -312,10 +312,12 @@ static void test_files_are_listed_by_kind(void **state)
     assert_int_equal(symlink("/tmp", in_folder("away")), 0);
     desk *at = desk_open(false, false);
     const json_t *files = json_object_get(ASK(at, "\"do\": \"files\", \"kind\": \"mesh\""), "files");
-    assert_int_equal(json_array_size(files), 2);
+    assert_int_equal(json_array_size(files), 3); /* the last is shipped */
     assert_string_equal(text_of(json_array_get(files, 0), "path"), "below/deep.OBJ");
     assert_string_equal(text_of(json_array_get(files, 1), "path"), "body.obj");
     assert_true(json_is_false(json_object_get(json_array_get(files, 1), "shipped")));
+    assert_string_equal(text_of(json_array_get(files, 2), "name"), "kidney.glb");
+    assert_true(json_is_true(json_object_get(json_array_get(files, 2), "shipped")));
     files = json_object_get(ASK(at, "\"do\": \"files\", \"kind\": \"recipe\""), "files");
     assert_string_equal(text_of(json_array_get(files, 0), "path"), "own.json");
     size_t kiwi = 0, i;

@@ -1,5 +1,5 @@
 /* Any bytes as a mesh file of every format; what is accepted is cleaned, measured, traced and described too. */
-#include "pith/shape.h"
+#include "pith/shape_parts.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
@@ -9,6 +9,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     if (size == 0 || size > 1 << 16) return 0;
     pith_error err;
     pith_mesh *mesh = NULL, *clean = NULL;
+    pith_parts *parts = NULL;
+    if (pith_parts_parse("fuzz", formats[data[0] % 5], data + 1, size - 1, &parts, &err) == PITH_OK)
+        pith_parts_destroy(parts);
     if (pith_mesh_parse("fuzz", formats[data[0] % 5], data + 1, size - 1, &mesh, &err) != PITH_OK) return 0;
     pith_mesh_report report;
     if (pith_mesh_clean(mesh, &clean, &report, &err) == PITH_OK) {

@@ -161,7 +161,8 @@ export class Workspace {
       }
       case 'bend': {
         const longest = Math.max(...session.curves.map(({ spline }) => spline.length), 1e-6);
-        return [whose, labelled('Reach', slider('Reach', { min: 0, max: 1e9, soft: [0, Number((longest / 2).toPrecision(2))] }, reach,
+        return [whose, labelled('Reach', slider('Reach', { min: 0, max: 1e9, soft: [0, Number((longest / 2).toPrecision(2))] },
+          reach || Number((longest / 4).toPrecision(2)),
           (value) => session.set({ reach: value }), { key: 'sketch reach' }).element)];
       }
       case 'smooth': return [amount(), labelled('Brush', slider('Width of the brush', { min: 6, max: 120, whole: true, default: 28, unit: 'px' },
