@@ -94,8 +94,16 @@ export function installAskedColours(app: App): AskedTimes {
     return bytes;
   }
 
-  /* Null when it was refused: the solid is gone, or another page's request took the place; the voxels stay then. */
-  async function colours(keys: Json, arrays: { [name: string]: Float32Array }): Promise<Packet | null> {
+  /* Null when it was refused: the solid is gone; the voxels stay then. One at a time, for a newer question would take the
+     place of one that waits. */
+  let last: Promise<unknown> = Promise.resolve();
+  function colours(keys: Json, arrays: { [name: string]: Float32Array }): Promise<Packet | null> {
+    const turn = last.then(() => askColours(keys, arrays));
+    last = turn.catch(() => {});
+    return turn;
+  }
+
+  async function askColours(keys: Json, arrays: { [name: string]: Float32Array }): Promise<Packet | null> {
     try {
       return await connection.upload<Packet>('colours', keys, arrays);
     } catch (reason) {

@@ -170,16 +170,23 @@ export function solidOf(state: State, index = state.body): { json: Json; place: 
 /** The surfaces of the body, as the document has them. */
 export function surfacesOf(state: State, index = state.body): Json[] { return (bodyJson(state, index).surfaces ?? []) as Json[]; }
 
+/** The body whose surfaces a body has: its own, or those of the one that it is like. */
+export function surfaceOwner(state: State, index = state.body): number {
+  const bodies = (state.document.bodies ?? []) as Json[], body = bodies[index];
+  if (!body?.like || body.surfaces) return index;
+  return surfaceOwner(state, bodies.findIndex(({ name }) => name === body.like));
+}
+
 /** The surface that is chosen, and its place in the document; null when there is none. */
 export function chosenSurface(state: State): { json: Json; place: string; index: number } | null {
   const index = surfacesOf(state).findIndex((surface) => surface.name === state.selectedSurface);
-  return index < 0 ? null : { json: surfacesOf(state)[index], place: `${bodyPlace(state)}surfaces[${index}]`, index };
+  return index < 0 ? null : { json: surfacesOf(state)[index], place: `${bodyPlace(state, surfaceOwner(state))}surfaces[${index}]`, index };
 }
 
-/** Does a surface bound its body? Then it is the body's skin. */
+/** Is a surface the outside of its body? Then it is the body's skin; hollows that bound it, too, lie within. */
 export function boundsBody(state: State, body: number, name: string): boolean {
   const bounds = (bodyJson(state, body).shape?.surfaces ?? []) as string[];
-  return bounds.includes(name) || surfacesOf(state, body).some((each) => each.name === name && each.kind === 'body');
+  return bounds[0] === name || surfacesOf(state, body).some((each) => each.name === name && each.kind === 'body');
 }
 
 /** Is the body's skin one of its surfaces? */

@@ -1,9 +1,8 @@
 // The surfaces that colours flow from, in the view: when they are shown, which, and what can be done to one.
 
 import type { App } from './app';
-import { operate } from './app';
 import type { Json } from './protocol';
-import { boundsBody, chosenSurface, surfacesOf, type State } from './store';
+import { bodyKey, boundsBody, chosenSurface, surfaceOwner, surfacesOf, type State } from './store';
 
 /** Keeps the view of surfaces in step with what is chosen. */
 export function installSurfaceView(app: App): void {
@@ -49,7 +48,9 @@ export function flipObstacle(state: State): string | null {
 
 /** Exchanges the colours of the chosen surface's front and back. */
 export function flipSurface(app: App): Promise<boolean> {
-  return operate(app, 'Flip surface', { op: 'surface.flip', surface: app.store.state.selectedSurface });
+  const { state } = app.store;
+  return app.actions.apply('Flip surface',
+    [{ op: 'surface.flip', surface: state.selectedSurface, ...bodyKey(state, surfaceOwner(state)) }]);
 }
 
 /** Operations that give a surface a colour for each side, as it looks now; none where it has them. */

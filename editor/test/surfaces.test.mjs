@@ -220,6 +220,22 @@ describe('surfaces', { timeout: 600000 }, () => {
     assert.ok(brush.points.every(([x]) => x < -0.4), JSON.stringify(brush.points));
   });
 
+  test('what is painted on a body like another is painted on all of them', async () => {
+    const { shape, surfaces, camera } = fruit();
+    const { page, at } = await open({ pith: 1, camera, bodies: [{ name: 'one', shape, surfaces },
+      { name: 'other', like: 'one', shape: { place: { move_y: -4 } } }] });
+    await use(page, { tool: 'paint-surface', paintColour: blue, paintRadius: 0.1 });
+    const { revision } = await state(page);
+    await drag(page, [at(-0.01, 0), at(0.01, 0)]);
+    await caught(page, revision + 1);
+    assert.equal((await state(page)).body, 1, 'the nearer one was met');
+    const [{ surfaces: [painted] }, other] = (await state(page)).document.bodies;
+    assert.equal(painted.paint.length, 1);
+    assert.equal(other.surfaces, undefined);
+    const all = await page.evaluate(() => globalThis.pith.viewport.surfaces.shown.map(({ front }) => [...front.slice(0, 3)]));
+    assert.deepEqual(all, [[0x10, 0x30, 0xe0], [0x10, 0x30, 0xe0]]);
+  });
+
   test('a stroke and a click take a part of a surface away', async () => {
     const { page, at } = await open();
     await use(page, { tool: 'erase-surface', selectedSurface: 'tube' });

@@ -116,7 +116,7 @@ export function surfacesSection(context: Context): HTMLElement {
     setNote(part, names.length ? String(names.length) : null);
     return list('Surfaces', names.map(({ name, outer }) => listRow({
       icon: outer ? 'body' : 'nested', text: name, key: `surface ${name}`, chosen: name === chosen,
-      detail: outer ? 'bounds the body' : null, actions: [surfaceEye(context, name)],
+      detail: outer ? 'the body’s outside' : null, actions: [surfaceEye(context, name)],
       choose: () => store.set({ selectedSurface: name === chosen ? null : name, mode: 'surfaces' }),
     })));
   });
