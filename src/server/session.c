@@ -13,6 +13,7 @@
 #include <string.h>
 #include <sys/socket.h>
 #include <sys/un.h>
+#include <time.h>
 #include <unistd.h>
 
 /* Steps whose documents stay in memory, and what texts may take: beyond, the oldest steps are forgotten. */
@@ -195,7 +196,8 @@ static void sweep_parts(const session *own)
     if (directory) closedir(directory);
 }
 
-/* An abstract socket of the document's name: the kernel takes it away with the program, however that ends. */
+/* An abstract socket of the document's name: the kernel takes it away with the program, however that ends. A mesher that
+   a killed program was just starting may hold it for a moment longer, so it is asked for again a few times. */
 static pith_status claim(session *own, pith_error *err)
 {
     struct sockaddr_un address = { .sun_family = AF_UNIX };
@@ -204,7 +206,10 @@ static pith_status claim(session *own, pith_error *err)
     own->claim = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
     if (own->claim < 0) return pith_fail(err, PITH_IO, "no socket can be made: %s", strerror(errno));
     const socklen_t size = (socklen_t)(offsetof(struct sockaddr_un, sun_path) + 1 + (size_t)length);
-    if (bind(own->claim, (struct sockaddr *)&address, size) == 0) return PITH_OK;
+    for (int tries = 0; tries < 10; ++tries) {
+        if (bind(own->claim, (struct sockaddr *)&address, size) == 0) return PITH_OK;
+        nanosleep(&(struct timespec){ .tv_nsec = 50 * 1000 * 1000 }, NULL);
+    }
     return pith_fail(err, PITH_IO, "%s is being edited by another pith edit already; use its page, or end it first",
                      own->path);
 }

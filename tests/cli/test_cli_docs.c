@@ -90,7 +90,7 @@ static void test_diffusion(void **state)
 {
     (void)state;
     CHECK_AT_LEAST(run_page("docs/diffusion.md"), 6);
-    CHECK_RUN(0, "test -f fruit.png -a -f fruit.glb -a -f section.glb");
+    CHECK_RUN(0, "test -f plum.png -a -f plum.glb -a -f section.glb");
 }
 
 static void test_baking(void **state)
