@@ -28,7 +28,9 @@ pith_status pith_document_parse(const char *path, const char *json, size_t size,
 /** The document as text: keys in a fixed order, two spaces of indent, one zero byte behind. Relative paths stay as they
  *  are written. Caller frees with pith_free. */
 pith_status pith_document_json(const pith_document *document, char **text, pith_error *err);
-/** Writes that text, atomically. */
+/** The same with bodies that are like others in full: they have all that they do not say anew, and no key "like". */
+pith_status pith_document_json_full(const pith_document *document, char **text, pith_error *err);
+/** Writes the first of the two, atomically. */
 pith_status pith_document_save(const pith_document *document, const char *path, pith_error *err);
 void pith_document_destroy(pith_document *document);
 /** The title, or "". */

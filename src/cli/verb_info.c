@@ -139,7 +139,7 @@ static void solid_rows(rows *to, const json_t *body)
 static pith_status report_document(const cli_model *opened, json_t *report, pith_error *err)
 {
     char *text = NULL;
-    PITH_TRY(pith_document_json(opened->document, &text, err));
+    PITH_TRY(pith_document_json_full(opened->document, &text, err));
     json_t *root = json_loads(text, 0, NULL), *bodies = json_object_get(root, "bodies");
     pith_free(text);
     rows document = { json_object() };

@@ -43,7 +43,7 @@ size_t cli_body_of_solid(const cli_model *opened, const pith_solid *solid)
 bool cli_states(const cli_model *opened, const pith_model *body, const char *key)
 {
     char *text = NULL;
-    if (pith_document_json(opened->document, &text, NULL) != PITH_OK) return false;
+    if (pith_document_json_full(opened->document, &text, NULL) != PITH_OK) return false;
     json_t *root = json_loads(text, 0, NULL), *bodies = json_object_get(root, "bodies"), *from = root;
     pith_free(text);
     for (size_t i = 0; bodies && i < pith_model_bodies(opened->model); ++i) {

@@ -55,7 +55,6 @@ pith_status edit_refuse(const edit *at, const char *key, const char *format, ...
 
 pith_status edit_refuse_name(const edit *at, const char *key, const char *what, const char *name, const json_t *list)
 {
-    enum { MOST_NAMES = 64 };
     const char *names[MOST_NAMES + 1] = { NULL };
     char told[200] = "";
     for (size_t i = 0; i < json_array_size(list) && i < MOST_NAMES; ++i) {

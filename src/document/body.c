@@ -37,6 +37,15 @@ pith_status document_points(pith_document *made, const json_t *list, const pith_
     return PITH_OK;
 }
 
+pith_status document_plane(reader *in, const json_t *plane, pith_plane *to)
+{
+    to->point = json_point(json_object_get(plane, "point"));
+    to->normal = json_point(json_object_get(plane, "normal"));
+    if (pith_length(to->normal) > 0.0) return PITH_OK;
+    reader_enter(in, "plane.normal");
+    return reader_fail(in, "has no length; any other vector will do");
+}
+
 pith_status document_strokes(pith_document *made, const json_t *list, pith_stroke **strokes, size_t *count,
                              pith_error *err)
 {
@@ -392,17 +401,15 @@ static pith_status build_solid(pith_document *made, reader *in, const json_t *fr
 /* The number of the solid of that name; `in` stands at the name. */
 static pith_status find_solid(reader *in, const char *name, const document_body *body, size_t *found)
 {
-    const char *names[64] = { NULL };
+    name_list names = { .count = 0 };
     for (size_t i = 0; i < body->solid_count; ++i) {
         if (strcmp(body->solids[i].name, name) == 0) {
             *found = i;
             return PITH_OK;
         }
-        if (i < 63) names[i] = body->solids[i].name;
+        name_list_add(&names, body->solids[i].name);
     }
-    const char *near = pith_nearest_word(name, names);
-    return reader_fail(in, "no solid is called \"%.60s\"%s%s%s", name,
-                       near ? "; did you mean \"" : "", near ? near : "", near ? "\"?" : "");
+    return reader_fail_name(in, "solid", name, &names);
 }
 
 static pith_status choose_solid(reader *in, const json_t *name, document_body *to)

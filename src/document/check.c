@@ -19,6 +19,18 @@ pith_status reader_fail(const reader *in, const char *format, ...)
     return pith_fail(in->err, PITH_BAD_DOCUMENT, "%s: %s", in->file, sentence);
 }
 
+void name_list_add(name_list *to, const char *name)
+{
+    if (to->count + 1 < MOST_NAMES) to->names[to->count++] = name;
+}
+
+pith_status reader_fail_name(const reader *in, const char *what, const char *name, const name_list *names)
+{
+    const char *near = pith_nearest_word(name, names->names);
+    return reader_fail(in, "no %s is called \"%.60s\"%s%s%s", what, name, near ? "; did you mean \"" : "", near ? near : "",
+                       near ? "\"?" : "");
+}
+
 size_t reader_enter(reader *in, const char *key)
 {
     const size_t length = strlen(in->place);

@@ -33,81 +33,6 @@ static pith_status build_body(pith_document *made, reader *in, const json_t *fro
     return PITH_OK;
 }
 
-/* ---- bodies like others ------------------------------------------------------------------------------------------------- */
-
-/* The object with the other's keys put over its own, in objects key by key; lists are replaced as a whole. */
-static bool put_over(json_t *object, const json_t *over)
-{
-    const char *key;
-    json_t *value;
-    json_object_foreach((json_t *)over, key, value) {
-        json_t *here = json_object_get(object, key);
-        const bool both = json_is_object(here) && json_is_object(value);
-        if (both ? !put_over(here, value) : json_object_set_new(object, key, json_deep_copy(value)) != 0) return false;
-    }
-    return true;
-}
-
-/* A body that is like one before it, in full. `in` stands there. */
-static pith_status expand_body(reader *in, const json_t *bodies, size_t index, const json_t *written, json_t **full)
-{
-    const char *like = json_string_value(json_object_get(written, "like"));
-    const char *names[64] = { NULL };
-    size_t count = 0;
-    for (size_t i = 0; i < index; ++i) {
-        const json_t *other = json_array_get(bodies, i);
-        const char *name = json_string_value(json_object_get(other, "name"));
-        if (!name) continue;
-        if (count < 63) names[count++] = name;
-        if (strcmp(name, like) != 0) continue;
-        *full = json_deep_copy(other);
-        const bool good = *full && put_over(*full, written) && json_object_del(*full, "like") == 0;
-        if (!good) json_decref(*full);
-        return good ? PITH_OK : PITH_OUT_OF_MEMORY(in->err, "a body");
-    }
-    const char *near = pith_nearest_word(like, names);
-    reader_enter(in, "like");
-    return reader_fail(in, "no body before this one is called \"%.60s\"%s%s%s", like, near ? "; did you mean \"" : "",
-                       near ? near : "", near ? "\"?" : "");
-}
-
-/* The document with all its bodies in full; a reference of its own. The root stays as it was written. Whatever is no body
-   like another is left to the check. */
-static pith_status expand(reader *in, const json_t *root, json_t **full)
-{
-    const json_t *list = json_object_get(root, "bodies");
-    json_t *copy = json_copy((json_t *)root), *bodies = json_is_array(list) ? json_copy((json_t *)list) : NULL;
-    pith_status status = copy ? PITH_OK : PITH_OUT_OF_MEMORY(in->err, "bodies");
-    if (status == PITH_OK && bodies && json_object_set(copy, "bodies", bodies) != 0)
-        status = PITH_OUT_OF_MEMORY(in->err, "bodies");
-    for (size_t i = 0; status == PITH_OK && i < json_array_size(bodies); ++i) {
-        const json_t *written = json_array_get(list, i);
-        json_t *body = NULL;
-        if (!json_is_string(json_object_get(written, "like"))) continue;
-        const size_t length = reader_enter(in, "bodies");
-        reader_enter_at(in, i);
-        status = expand_body(in, bodies, i, written, &body);
-        if (status == PITH_OK && json_array_set_new(bodies, i, body) != 0)
-            status = PITH_OUT_OF_MEMORY(in->err, "a body");
-        if (status == PITH_OK) reader_leave(in, length);
-    }
-    json_decref(bodies);
-    if (status == PITH_OK) *full = copy;
-    else json_decref(copy);
-    return status;
-}
-
-pith_status document_check(reader *in, const json_t *root, json_t **full)
-{
-    json_t *made = NULL;
-    if (!json_is_object(root)) return grammar_check(in, (json_t *)root, &grammar_document);
-    PITH_TRY(expand(in, root, &made));
-    const pith_status status = grammar_check(in, made, &grammar_document);
-    if (status == PITH_OK && full) *full = made;
-    else json_decref(made);
-    return status;
-}
-
 static pith_status build_bodies(pith_document *made, reader *in, const json_t *root)
 {
     PITH_TRY(check_top(in, root));
@@ -133,19 +58,17 @@ static pith_status build_bodies(pith_document *made, reader *in, const json_t *r
 /* The body of that name, for `in` to stand at the key "body". */
 static pith_status find_body(const pith_document *made, reader *in, const char *name, size_t *body)
 {
-    const char *names[64] = { NULL };
+    name_list names = { .count = 0 };
     for (size_t i = 0; i < made->body_count; ++i) {
         if (strcmp(made->bodies[i].name, name) == 0) {
             *body = i;
             return PITH_OK;
         }
-        if (i < 63) names[i] = made->bodies[i].name;
+        name_list_add(&names, made->bodies[i].name);
     }
     if (!json_object_get(made->root, "bodies"))
         return reader_fail(in, "is \"%.60s\", but the document's only body has no name; leave this out", name);
-    const char *near = pith_nearest_word(name, names);
-    return reader_fail(in, "no body is called \"%.60s\"%s%s%s", name, near ? "; did you mean \"" : "", near ? near : "",
-                       near ? "\"?" : "");
+    return reader_fail_name(in, "body", name, &names);
 }
 
 static pith_status build_cut(pith_document *made, reader *in, const json_t *from, pith_cut_step *to)
@@ -164,11 +87,7 @@ static pith_status build_cut(pith_document *made, reader *in, const json_t *from
         to->stroke.eye = json_point(json_object_get(stroke, "eye"));
         return document_points(made, json_object_get(stroke, "points"), &to->stroke.points, &to->stroke.count, in->err);
     }
-    to->plane.point = json_point(json_object_get(plane, "point"));
-    to->plane.normal = json_point(json_object_get(plane, "normal"));
-    if (pith_length(to->plane.normal) > 0.0) return PITH_OK;
-    reader_enter(in, "plane.normal");
-    return reader_fail(in, "has no length; any other vector will do");
+    return document_plane(in, plane, &to->plane);
 }
 
 static pith_status build_cuts(pith_document *made, reader *in, const json_t *list)
@@ -332,9 +251,10 @@ pith_status pith_document_load(const char *path, pith_document **document, pith_
     return status;
 }
 
-pith_status pith_document_json(const pith_document *document, char **text, pith_error *err)
+/* Text of the document's JSON, as it was written or with its bodies in full. */
+static pith_status give_json(const pith_document *document, const json_t *root, char **text, pith_error *err)
 {
-    json_t *ordered = grammar_order(document->root, &grammar_document);
+    json_t *ordered = grammar_order(root, &grammar_document);
     if (!ordered) return PITH_OUT_OF_MEMORY(err, document->path);
     text_buffer buffer = { 0 };
     text_add_json(&buffer, ordered, 0);
@@ -346,6 +266,21 @@ pith_status pith_document_json(const pith_document *document, char **text, pith_
     }
     pith_free(buffer.text);
     return PITH_OUT_OF_MEMORY(err, document->path);
+}
+
+pith_status pith_document_json(const pith_document *document, char **text, pith_error *err)
+{
+    return give_json(document, document->root, text, err);
+}
+
+pith_status pith_document_json_full(const pith_document *document, char **text, pith_error *err)
+{
+    reader in = { .file = document->path, .err = err };
+    json_t *full = NULL;
+    PITH_TRY(document_expand(&in, document->root, &full));
+    const pith_status status = give_json(document, full, text, err);
+    json_decref(full);
+    return status;
 }
 
 pith_status pith_document_save(const pith_document *document, const char *path, pith_error *err)

@@ -81,8 +81,17 @@ pith_status grammar_check(reader *in, json_t *object, const grammar *rules);
 /* The same of a whole document, its bodies in full where they are like others. full (may be NULL): with its bodies so, a
    reference of its own. */
 pith_status document_check(reader *in, const json_t *root, json_t **full);
+/* The document with all its bodies in full; a reference of its own. The root stays as it was written. Whatever is no body
+   like another is left to the check; PITH_BAD_DOCUMENT for one that is like none before it. */
+pith_status document_expand(reader *in, const json_t *root, json_t **full);
 /* PITH_BAD_DOCUMENT, "file: place: sentence". */
 pith_status reader_fail(const reader *in, const char *format, ...) __attribute__((format(printf, 2, 3)));
+/* Names that there are, for refusals of one that there is not; of many the first ones. */
+enum { MOST_NAMES = 64 };
+typedef struct name_list { const char *names[MOST_NAMES]; size_t count; } name_list; /* NULL behind the last */
+void name_list_add(name_list *to, const char *name);
+/* "no body is called …", with the nearest name. */
+pith_status reader_fail_name(const reader *in, const char *what, const char *name, const name_list *names);
 /* Appends ".key" or "[index]" to the place; returns the length to give back to reader_leave. */
 size_t reader_enter(reader *in, const char *key);
 size_t reader_enter_at(reader *in, size_t index);
@@ -377,6 +386,8 @@ pith_status document_points(pith_document *made, const json_t *list, const pith_
                             pith_error *err);
 pith_status document_strokes(pith_document *made, const json_t *list, pith_stroke **strokes, size_t *count,
                              pith_error *err);
+/* A plane; `in` stands at the object that has it. Refuses one without a normal. */
+pith_status document_plane(reader *in, const json_t *plane, pith_plane *to);
 /* Builds a body from its checked object; `in` stands there, and stands there again after a success. */
 pith_status body_build(pith_document *made, reader *in, const json_t *from, document_body *to);
 /* Frees what a body holds outside the document's memory. */

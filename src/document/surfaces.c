@@ -81,11 +81,7 @@ static pith_status build_erase(pith_document *made, reader *in, const json_t *fr
         to->stroke.eye = json_point(json_object_get(stroke, "eye"));
         return document_points(made, json_object_get(stroke, "points"), &to->stroke.points, &to->stroke.count, in->err);
     }
-    to->plane.point = json_point(json_object_get(plane, "point"));
-    to->plane.normal = json_point(json_object_get(plane, "normal"));
-    if (pith_length(to->plane.normal) > 0.0) return PITH_OK;
-    reader_enter(in, "plane.normal");
-    return reader_fail(in, "has no length; any other vector will do");
+    return document_plane(in, plane, &to->plane);
 }
 
 static pith_status build_erases(pith_document *made, reader *in, const json_t *list, document_surface *to)
@@ -124,17 +120,15 @@ static void build_colours(const json_t *from, document_surface *to)
 /* The body's surface of that name among the first `count`. `in` stands at the name. */
 static pith_status find_surface(reader *in, const char *name, const document_body *body, size_t count, size_t *found)
 {
-    const char *names[64] = { NULL };
+    name_list names = { .count = 0 };
     for (size_t i = 0; i < count; ++i) {
         if (strcmp(body->surfaces[i].name, name) == 0) {
             *found = i;
             return PITH_OK;
         }
-        if (i < 63) names[i] = body->surfaces[i].name;
+        name_list_add(&names, body->surfaces[i].name);
     }
-    const char *near = pith_nearest_word(name, names), *of = count < body->surface_count ? " before this one" : "";
-    return reader_fail(in, "no surface%s is called \"%.60s\"%s%s%s", of, name, near ? "; did you mean \"" : "",
-                       near ? near : "", near ? "\"?" : "");
+    return reader_fail_name(in, count < body->surface_count ? "surface before this one" : "surface", name, &names);
 }
 
 pith_status surfaces_named(pith_document *made, reader *in, const json_t *names, const document_body *body,

@@ -41,33 +41,18 @@ void document_release(held_document *shared)
     pith_free(own);
 }
 
-/* The body of this name among those before one; the document was checked: it is there. */
-static const json_t *body_before(const json_t *bodies, size_t index, const char *name)
+/* The document's bodies, those that are like others in full. */
+static pith_status fill_bodies(held_document *made, pith_error *err)
 {
-    for (size_t i = 0; i < index; ++i)
-        if (strcmp(json_string_value(json_object_get(json_array_get(bodies, i), "name")), name) == 0)
-            return json_array_get(bodies, i);
-    return NULL;
-}
-
-/* What a document says of its bodies, those that are like others in full; false: no memory. */
-static bool fill_bodies(const json_t *root, json_t **full)
-{
-    const json_t *list = json_object_get(root, "bodies");
-    *full = list ? json_deep_copy(list) : NULL;
-    if (list && !*full) return false;
-    for (size_t i = 0; i < json_array_size(*full); ++i) {
-        const json_t *written = json_array_get(*full, i);
-        const char *like = json_string_value(json_object_get(written, "like"));
-        if (!like) continue;
-        json_t *body = json_deep_copy(body_before(*full, i, like));
-        if (!body || json_object_update_recursive(body, (json_t *)written) != 0 || json_array_set(*full, i, body) != 0) {
-            json_decref(body);
-            return false;
-        }
-        json_decref(body);
-    }
-    return true;
+    char *text = NULL;
+    if (!json_object_get(made->root, "bodies")) return PITH_OK;
+    PITH_TRY(pith_document_json_full(made->document, &text, err));
+    json_t *full = json_loads(text, 0, NULL);
+    pith_free(text);
+    if (!full) return PITH_OUT_OF_MEMORY(err, "bodies");
+    made->bodies = json_incref(json_object_get(full, "bodies"));
+    json_decref(full);
+    return PITH_OK;
 }
 
 pith_status document_count(pith_document *document, held_document **made, pith_error *err)
@@ -82,7 +67,7 @@ pith_status document_count(pith_document *document, held_document **made, pith_e
     pith_status status = pith_document_json(document, &own->shown.text, err);
     if (status == PITH_OK && !(own->shown.root = json_loads(own->shown.text, 0, NULL)))
         status = PITH_OUT_OF_MEMORY(err, "a document");
-    if (status == PITH_OK && !fill_bodies(own->shown.root, &own->shown.bodies)) status = PITH_OUT_OF_MEMORY(err, "bodies");
+    if (status == PITH_OK) status = fill_bodies(&own->shown, err);
     if (status == PITH_OK) *made = &own->shown;
     else document_release(&own->shown);
     return status;

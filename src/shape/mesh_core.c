@@ -189,21 +189,28 @@ pith_status pith_mesh_parse(const char *name, const char *format, const void *by
     return status;
 }
 
-const char *mesh_known_extension(const char *path)
+/* The extension, of those that can be read, that the path ends with; NULL: none. */
+static const char *known_extension(const char *path)
 {
     for (size_t f = 0; f < FORMAT_COUNT; ++f)
         if (pith_path_has_extension(path, formats[f].extension)) return formats[f].extension;
     return NULL;
 }
 
+pith_status mesh_load(const char *path, const char **format, unsigned char **bytes, size_t *size, pith_error *err)
+{
+    *format = known_extension(path);
+    if (!*format)
+        return pith_fail(err, PITH_BAD_FILE, "%s: a mesh file must end in .obj, .ply, .stl, .off or .glb", path);
+    return pith_file_read(path, bytes, size, err);
+}
+
 pith_status pith_mesh_read(const char *path, pith_mesh **mesh, pith_error *err)
 {
-    const char *format = mesh_known_extension(path);
-    if (!format)
-        return pith_fail(err, PITH_BAD_FILE, "%s: a mesh file must end in .obj, .ply, .stl, .off or .glb", path);
+    const char *format;
     unsigned char *bytes;
     size_t size;
-    PITH_TRY(pith_file_read(path, &bytes, &size, err));
+    PITH_TRY(mesh_load(path, &format, &bytes, &size, err));
     const pith_status status = pith_mesh_parse(path, format, bytes, size, mesh, err);
     pith_free(bytes);
     return status;

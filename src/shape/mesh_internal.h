@@ -24,8 +24,8 @@ pith_mesh *mesh_new(uint32_t vertices, uint32_t triangles, bool normals, bool co
 /* PITH_BAD_MESH for an index out of range or a position that is not finite or beyond the limit. */
 pith_status mesh_check(const pith_mesh_view *view, const char *what, pith_error *err);
 double mesh_triangle_area(const pith_mesh_view *view, uint32_t triangle);
-/* The extension, of those that can be read, that the path ends with; NULL: none. */
-const char *mesh_known_extension(const char *path);
+/* The bytes of a file whose extension is one of those that can be read, which is its format. The caller frees them. */
+pith_status mesh_load(const char *path, const char **format, unsigned char **bytes, size_t *size, pith_error *err);
 
 /* ---- mesh_build.c: what readers fill ----------------------------------------------------------------------------- */
 

@@ -113,12 +113,10 @@ pith_status pith_parts_parse(const char *name, const char *format, const void *b
 
 pith_status pith_parts_read(const char *path, pith_parts **parts, pith_error *err)
 {
-    const char *format = mesh_known_extension(path);
-    if (!format)
-        return pith_fail(err, PITH_BAD_FILE, "%s: a mesh file must end in .obj, .ply, .stl, .off or .glb", path);
+    const char *format;
     unsigned char *bytes;
     size_t size;
-    PITH_TRY(pith_file_read(path, &bytes, &size, err));
+    PITH_TRY(mesh_load(path, &format, &bytes, &size, err));
     const pith_status status = pith_parts_parse(path, format, bytes, size, parts, err);
     pith_free(bytes);
     return status;

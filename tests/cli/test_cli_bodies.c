@@ -27,6 +27,29 @@ static void write_document(void)
     CHECK_OK(pith_file_write(path, document, strlen(document), &err));
 }
 
+/* A body that is like another has what the other has, also where the document is only looked at. */
+static void test_bodies_like_others_are_seen_in_full(void **state)
+{
+    (void)state;
+    static const char alike[] =
+        "{ \"pith\": 1, \"bodies\": [ { \"name\": \"one\", \"shape\": { \"fruit\": { \"detail\": 2 }, \"tets\": { "
+        "\"tetrahedra\": 300 } }, \"depth\": { \"constraints\": [ { \"faces\": \"all\", \"depth\": 0 }, { \"points\": [ "
+        "[0, 0, 0] ], \"depth\": 1 } ] }, \"surfaces\": [ { \"name\": \"skin\", \"kind\": \"body\", \"colours\": { "
+        "\"front\": \"#ff0000\" } } ], \"solids\": [ { \"name\": \"flesh\", \"kind\": \"diffusion\" } ] }, { \"name\": "
+        "\"two\", \"like\": \"one\", \"shape\": { \"place\": { \"move_x\": 3 } } } ] }";
+    char path[300];
+    pith_error err;
+    snprintf(path, sizeof path, "%s/alike.pith", run_folder);
+    CHECK_OK(pith_file_write(path, alike, strlen(alike), &err));
+    CHECK_RUN(0, "build/pith info alike.pith --json");
+    json_t *report = json_loads(run_out, 0, NULL);
+    const json_t *two = json_array_get(json_object_get(report, "bodies"), 1);
+    assert_string_equal(json_string_value(json_object_get(two, "solid")), "flesh");
+    assert_string_equal(json_string_value(json_object_get(two, "kind")), "diffusion");
+    json_decref(report);
+    CHECK_RUN(0, "build/pith bake alike.pith -o alike.vtu --body two && grep -c depth_gradient alike.vtu");
+}
+
 static void test_info_and_fill_list_them(void **state)
 {
     (void)state;
@@ -183,6 +206,7 @@ static void test_sample_does_not_depend_on_chunks(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_bodies_like_others_are_seen_in_full),
         cmocka_unit_test(test_info_and_fill_list_them), cmocka_unit_test(test_sample_asks_one_after_the_other),
         cmocka_unit_test(test_cut_names_pieces_by_body), cmocka_unit_test(test_bake_covers_all),
         cmocka_unit_test(test_sample_answers_while_its_input_pauses),
