@@ -2,23 +2,12 @@
 // at what the command line makes of it.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
-import { after, afterEach, before, beforeEach, describe, test } from 'node:test';
-import { click, closeBrowser, drag, drawn, existsSync, join, openPage, pixels, program, readDocument, rmSync, settled, startServer, state, viewBox, workFolder, writeFileSync } from './harness.mjs';
+import { describe, test } from 'node:test';
+import { click, Desk, drag, drawn, existsSync, join, openPage, pixels, program, readDocument, rmSync, settled, startServer, state, viewBox } from './harness.mjs';
 
-let folder, server, opened;
+let desk;
 
-/** Opens a document of examples/, changed first if asked. */
-async function open(name, change, options) {
-  const path = join(folder, 'examples', name);
-  if (change) {
-    const text = readDocument(path);
-    change(text);
-    writeFileSync(path, JSON.stringify(text));
-  }
-  server = await startServer(path);
-  opened = await openPage(server, options);
-  return opened.page;
-}
+const open = (name, change, options) => desk.openExample(name, change, options);
 
 const apply = (page, name, operations) => page.evaluate(([name, operations]) => globalThis.pith.actions.apply(name, operations), [name, operations]);
 const use = async (page, values) => { await page.evaluate((values) => globalThis.pith.store.set(values), values); await drawn(page); };
@@ -39,16 +28,7 @@ async function sectionShown(page, shown) {
 }
 
 describe('the editor', { timeout: 600000 }, () => {
-  beforeEach(() => { folder = workFolder(); });
-  afterEach(async () => {
-    const problems = opened?.problems ?? [];
-    await opened?.close();
-    await server?.stop();
-    rmSync(folder, { recursive: true, force: true });
-    opened = server = undefined;
-    assert.deepEqual(problems, [], 'the page complained');
-  });
-  after(closeBrowser);
+  desk = new Desk();
 
   test('the section is composed as the library samples it', async () => {
     const paste = (recipe, place) => (text) => { text.solids[0].pastes = [{ exemplar: { recipe: `exemplars/${recipe}` }, ...place }]; };
@@ -70,7 +50,7 @@ describe('the editor', { timeout: 600000 }, () => {
       });
       const colours = await pixels(page, seen.map(({ at }) => at));
       const input = seen.map(({ point }) => point.join(' ')).join('\n') + '\n';
-      const asked = execFileSync(program, ['sample', server.document], { input, encoding: 'utf8' }).trim().split('\n').map((line) => line.split(/\s+/).map(Number));
+      const asked = execFileSync(program, ['sample', desk.server.document], { input, encoding: 'utf8' }).trim().split('\n').map((line) => line.split(/\s+/).map(Number));
       const encode = (x) => 255 * (x <= 0.0031308 ? 12.92 * x : 1.055 * x ** (1 / 2.4) - 0.055);
       let sum = 0, far = 0;
       seen.forEach((_, i) => {
@@ -82,8 +62,8 @@ describe('the editor', { timeout: 600000 }, () => {
       assert.ok(seen.length > 60, `${name}: ${seen.length} places`);
       assert.ok(sum / seen.length < 6, `${name}: mean difference ${(sum / seen.length).toFixed(2)} of 255`);
       assert.ok(far < 0.06 * seen.length, `${name}: ${far} of ${seen.length} differ by more than 24`);
-      await opened.close();
-      await server.stop();
+      await desk.opened.close();
+      await desk.server.stop();
     }
   });
 
@@ -111,10 +91,10 @@ describe('the editor', { timeout: 600000 }, () => {
     await until(page, (s) => s.document.cuts && s.document.cuts.length === 1);
     await page.keyboard.press('Control+s');
     await until(page, (s) => s.saved);
-    assert.equal(readDocument(server.document).cuts.length, 1);
-    execFileSync(program, ['validate', server.document]);
-    execFileSync(program, ['render', server.document, '-o', join(folder, 'cut.png'), '--width', '80', '--height', '60', '--samples', '1']);
-    assert.ok(existsSync(join(folder, 'cut.png')));
+    assert.equal(readDocument(desk.server.document).cuts.length, 1);
+    execFileSync(program, ['validate', desk.server.document]);
+    execFileSync(program, ['render', desk.server.document, '-o', join(desk.folder, 'cut.png'), '--width', '80', '--height', '60', '--samples', '1']);
+    assert.ok(existsSync(join(desk.folder, 'cut.png')));
   });
 
   test('paint, stroke, update, fill: a bare mesh gets an inside', async () => {
@@ -159,21 +139,21 @@ describe('the editor', { timeout: 600000 }, () => {
     await page.keyboard.press('Control+s');
     await until(page, (s) => s.saved);
     await apply(page, 'Title', [{ op: 'set', path: 'title', value: 'Two' }]);
-    assert.equal(readDocument(server.document).title, 'One');
-    await opened.close();
-    await server.stop('SIGKILL');
-    server = await startServer(server.document);
-    opened = await openPage(server);
-    const now = await state(opened.page);
+    assert.equal(readDocument(desk.server.document).title, 'One');
+    await desk.opened.close();
+    await desk.server.stop('SIGKILL');
+    desk.server = await startServer(desk.server.document);
+    desk.opened = await openPage(desk.server);
+    const now = await state(desk.opened.page);
     assert.equal(now.document.title, 'Two');
     assert.equal(now.recovered, true);
     assert.equal(now.saved, false);
-    await opened.page.keyboard.press('Control+z');
-    await until(opened.page, (s) => s.document.title === 'One');
+    await desk.opened.page.keyboard.press('Control+z');
+    await until(desk.opened.page, (s) => s.document.title === 'One');
   });
 
   test('a copy replaces a file only when that is said, and a file that is gone is not reverted to', async () => {
-    const page = await open('kiwi.pith'), other = join(folder, 'examples', 'tree.pith'), before = readDocument(other).title;
+    const page = await open('kiwi.pith'), other = join(desk.folder, 'examples', 'tree.pith'), before = readDocument(other).title;
     await apply(page, 'Title', [{ op: 'set', path: 'title', value: 'One' }]);
     await page.keyboard.press('Control+Shift+S');
     const dialog = page.locator('dialog[open]');
@@ -185,13 +165,13 @@ describe('the editor', { timeout: 600000 }, () => {
     await page.locator('.message', { hasText: 'Saved tree.pith' }).waitFor();
     assert.equal(readDocument(other).title, 'One');
     assert.equal((await state(page)).saved, false, 'the document itself is not saved by a copy');
-    rmSync(server.document);
+    rmSync(desk.server.document);
     await page.keyboard.press('Control+s');
     await dialog.getByText('is not where it was').waitFor();
     assert.deepEqual(await dialog.locator('footer button').allTextContents(), ['Cancel', 'Save anyway']);
     await dialog.getByText('Save anyway', { exact: true }).click();
     await until(page, (s) => s.saved);
-    assert.equal(readDocument(server.document).title, 'One');
+    assert.equal(readDocument(desk.server.document).title, 'One');
   });
 
   test('cuts that keep both sides move pieces a little each, and cuts that leave nothing can be undone', async () => {
@@ -216,14 +196,14 @@ describe('the editor', { timeout: 600000 }, () => {
 
   test('a page whose server was killed says that it is not running', async () => {
     const page = await open('kiwi.pith');
-    await server.stop('SIGKILL');
+    await desk.server.stop('SIGKILL');
     await page.locator('.banner.of-connection', { hasText: 'is not running' }).waitFor();
-    opened.problems.length = 0;          // the browser reports that nobody answers
+    desk.opened.problems.length = 0;          // the browser reports that nobody answers
   });
 
   test('two pages of one document do not harm it', async () => {
     const page = await open('kiwi.pith');
-    const second = await openPage(server);
+    const second = await openPage(desk.server);
     const answers = await Promise.all([0, 1, 2, 3, 4, 5].map((i) => apply(i % 2 ? second.page : page, `Title ${i}`, [{ op: 'set', path: 'title', value: `T${i}` }])));
     assert.ok(answers.some((done) => done));
     await until(page, (s) => s.connection === "open");
@@ -231,7 +211,7 @@ describe('the editor', { timeout: 600000 }, () => {
     assert.equal(a.revision, b.revision);
     assert.deepEqual(a.document, b.document);
     assert.equal(a.undo.length, answers.filter((done) => done).length);
-    execFileSync(program, ['validate', server.document]);
+    execFileSync(program, ['validate', desk.server.document]);
     await second.close();
   });
 });

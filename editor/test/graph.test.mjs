@@ -2,8 +2,8 @@
 // pixels against what the command line says of the same points.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
-import { after, afterEach, beforeEach, describe, test } from 'node:test';
-import { closeBrowser, drawn, join, openPage, pixels, program, readDocument, rmSync, settled, startServer, state, workFolder, writeFileSync } from './harness.mjs';
+import { describe, test } from 'node:test';
+import { Desk, drawn, pixels, program, readDocument, settled, state } from './harness.mjs';
 import { load } from './modules.mjs';
 import { eventually } from './page.mjs';
 
@@ -89,19 +89,9 @@ describe('graphs', () => {
 
 /* ---- the page ------------------------------------------------------------------------------------------------------ */
 
-let folder, server, opened;
+let desk;
 
-async function open(name, change, options) {
-  const path = join(folder, 'examples', name);
-  if (change) {
-    const text = readDocument(path);
-    change(text);
-    writeFileSync(path, JSON.stringify(text));
-  }
-  server = await startServer(path);
-  opened = await openPage(server, options);
-  return opened.page;
-}
+const open = (name, change, options) => desk.openExample(name, change, options);
 
 const solidIn = async (page) => (await state(page)).document.solids[0];
 const nodeIn = async (page, name) => (await solidIn(page)).nodes.find((node) => node.name === name);
@@ -115,23 +105,14 @@ async function saved(page) {
   await page.keyboard.press('Escape');
   await page.evaluate(() => globalThis.pith.commands.run('save'));
   await eventually('it is saved', async () => (await state(page)).saved);
-  return readDocument(server.document);
+  return readDocument(desk.server.document);
 }
 /* Until the view rests with every colour there; while it moves there is nothing to ask for. */
 const fine = (page) => page.waitForFunction(() => globalThis.pith.viewport.seen() !== null && globalThis.pith.viewport.fine,
                                             undefined, { timeout: 60000, polling: 50 });
 
 describe('computed solids in the editor', { timeout: 600000 }, () => {
-  beforeEach(() => { folder = workFolder(); });
-  afterEach(async () => {
-    const problems = opened?.problems ?? [];
-    await opened?.close();
-    await server?.stop();
-    rmSync(folder, { recursive: true, force: true });
-    opened = server = undefined;
-    assert.deepEqual(problems, [], 'the page complained');
-  });
-  after(closeBrowser);
+  desk = new Desk();
 
   test('at rest pixels are what the library samples, finer than voxels', async () => {
     for (const name of ['wood.pith', 'marble.pith']) {
@@ -146,7 +127,7 @@ describe('computed solids in the editor', { timeout: 600000 }, () => {
         return list;
       });
       const input = seen.map(({ point }) => point.join(' ')).join('\n') + '\n';
-      const asked = execFileSync(program, ['sample', server.document], { input, encoding: 'utf8' }).trim().split('\n')
+      const asked = execFileSync(program, ['sample', desk.server.document], { input, encoding: 'utf8' }).trim().split('\n')
         .map((line) => line.split(/\s+/).map(Number));
       const distance = (colours) => colours.reduce((sum, colour, i) => sum + [0, 1, 2].reduce((all, c) =>
         all + Math.abs(colour[c] - 255 * srgb(asked[i][c])) / 3, 0), 0) / colours.length;
@@ -159,8 +140,8 @@ describe('computed solids in the editor', { timeout: 600000 }, () => {
       assert.ok(seen.length > 50, `${seen.length} points are seen`);
       assert.ok(sharp < 6, `${name}: sharp pixels are ${sharp} of 255 away`); // they are means over a pixel, points are not
       assert.ok(sharp < 0.75 * coarse, `${name}: ${sharp} beside ${coarse} of voxels`);
-      await opened.close();
-      await server.stop();
+      await desk.opened.close();
+      await desk.server.stop();
     }
   });
 

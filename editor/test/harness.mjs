@@ -1,9 +1,11 @@
 // What the page's tests stand on: the real program on a copy of a document, and Debian's Chromium, which draws WebGL 2 in
 // software. Each test has a server, a folder and a page of its own.
+import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
 import { cpSync, existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { dirname, join, basename } from 'node:path';
+import { after, afterEach, beforeEach } from 'node:test';
 import { fileURLToPath } from 'node:url';
 import { chromium } from 'playwright-core';
 
@@ -73,6 +75,41 @@ export async function openPage(server, { built = true, width = 1280, height = 80
   await page.waitForFunction(() => globalThis.pith?.store.state.connection === 'open');
   if (built) await settled(page);
   return { page, problems, context, close: () => context.close() };
+}
+
+/** What each test of a suite works at: a folder of its own, and the document that it opens there. Made inside `describe`;
+ *  after each test page and server are ended before the page's complaints are looked at. */
+export class Desk {
+  constructor() {
+    beforeEach(() => { this.folder = workFolder(); });
+    afterEach(async () => {
+      const problems = this.opened?.problems ?? [];
+      await this.opened?.close();
+      await this.server?.stop();
+      rmSync(this.folder, { recursive: true, force: true });
+      this.opened = this.server = undefined;
+      assert.deepEqual(problems, [], 'the page complained');
+    });
+    after(closeBrowser);
+  }
+
+  /** Opens the document at a path, with the options of openPage; gives the page. */
+  async open(path, options) {
+    this.server = await startServer(path);
+    this.opened = await openPage(this.server, options);
+    return this.opened.page;
+  }
+
+  /** Opens a document of examples/, changed first if asked. */
+  openExample(name, change, options) {
+    const path = join(this.folder, 'examples', name);
+    if (change) {
+      const text = readDocument(path);
+      change(text);
+      writeFileSync(path, JSON.stringify(text));
+    }
+    return this.open(path, options);
+  }
 }
 
 /** Until every job has ended, the view shows the present document, and its picture has been drawn. */

@@ -2,20 +2,15 @@
 // holds; what curves become is compared with what the library makes of them.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
-import { after, afterEach, before, beforeEach, describe, test } from 'node:test';
-import { closeBrowser, join, openPage, pixels, program, readDocument, readFileSync, rmSync, settled, startServer, state, viewBox, workFolder, writeFileSync } from './harness.mjs';
+import { after, before, describe, test } from 'node:test';
+import { Desk, join, pixels, program, readDocument, readFileSync, rmSync, settled, state, workFolder, writeFileSync } from './harness.mjs';
 import { load } from './modules.mjs';
 
-let folder, server, opened;
+let desk;
 
 /** Opens a document of examples/ with the sketch open; `built`: it is built after every change. */
 async function open(name = 'sketch.pith', { change, built = false, ...options } = {}) {
-  const path = join(folder, 'examples', name), text = readDocument(path);
-  change?.(text);
-  writeFileSync(path, JSON.stringify(text));
-  server = await startServer(path);
-  opened = await openPage(server, { built: false, width: 1440, height: 900, ...options });
-  const { page } = opened;
+  const page = await desk.openExample(name, change, { built: false, width: 1440, height: 900, ...options });
   if (!built) await page.evaluate(() => globalThis.pith.actions.automatic(false));
   await page.keyboard.press('k');
   await page.locator('[data-pane=horizontal] canvas').waitFor();
@@ -70,7 +65,7 @@ const near = (a, b, most, what) => assert.ok(Math.abs(a - b) <= most, `${what}: 
 /* ---- curves without a browser --------------------------------------------------------------------------------------------- */
 
 describe('curves of the sketch', () => {
-  let curve, fit, bending;
+  let curve, fit, bending, folder;
   before(async () => {
     [curve, fit, bending] = [await load('sketch/curve'), await load('sketch/fit'), await load('sketch/bend')];
     folder = workFolder();
@@ -200,16 +195,7 @@ describe('curves of the sketch', () => {
 /* ---- the page --------------------------------------------------------------------------------------------------------------- */
 
 describe('the sketch', { timeout: 900000 }, () => {
-  beforeEach(() => { folder = workFolder(); });
-  afterEach(async () => {
-    const problems = opened?.problems ?? [];
-    await opened?.close();
-    await server?.stop();
-    rmSync(folder, { recursive: true, force: true });
-    opened = server = undefined;
-    assert.deepEqual(problems, [], 'the page complained');
-  });
-  after(closeBrowser);
+  desk = new Desk();
 
   test('a tomato from nothing: skin, chambers in five folds, colours, a cut, and its section', async () => {
     const page = await open('kiwi.pith', { built: true, change: (text) => { delete text.cuts; } });
@@ -285,7 +271,7 @@ describe('the sketch', { timeout: 900000 }, () => {
     assert.ok(core[0] > core[1] + 30, `on the axis it is ${core}, expected red`);
     await page.keyboard.press('Control+s');
     await page.getByText('Saved kiwi.pith.').waitFor();
-    const asked = execFileSync(program, ['sample', server.document], { input: spots.map((spot) => spot.slice(0, 2).concat(-0.001).join(' ')).join('\n') + '\n', encoding: 'utf8' })
+    const asked = execFileSync(program, ['sample', desk.server.document], { input: spots.map((spot) => spot.slice(0, 2).concat(-0.001).join(' ')).join('\n') + '\n', encoding: 'utf8' })
       .trim().split('\n').map((line) => line.split(/\s+/).map(Number));
     assert.ok(asked[0][1] > asked[0][0] && asked[2][0] > asked[2][1], `the program samples ${asked}`);
   });

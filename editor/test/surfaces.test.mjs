@@ -1,10 +1,8 @@
 // Surfaces that colours flow from, in three dimensions: the real program, a real browser. The surface worked on is a tube
 // of radius 1/2 about the z axis, from -0.4 to 0.4, red outside and green inside, in a fruit of radius 1.
 import assert from 'node:assert/strict';
-import { mkdtempSync } from 'node:fs';
-import { tmpdir } from 'node:os';
-import { after, afterEach, beforeEach, describe, test } from 'node:test';
-import { click, closeBrowser, drag, drawn, join, openPage, pixels, rmSync, settled, startServer, state, viewBox, writeFileSync } from './harness.mjs';
+import { describe, test } from 'node:test';
+import { click, Desk, drag, drawn, join, pixels, settled, state, viewBox, writeFileSync } from './harness.mjs';
 import { load } from './modules.mjs';
 
 const red = '#d02010', green = '#10b030', blue = '#1030e0';
@@ -14,14 +12,12 @@ const fruit = (more = {}) => ({
   shape: { fruit: { detail: 3 }, tets: { tetrahedra: 300 } }, surfaces: [tube], ...more,
 });
 
-let folder, server, opened;
+let desk;
 
 async function open(document = fruit(), { built = false } = {}) {
-  const path = join(folder, 'tube.pith');
+  const path = join(desk.folder, 'tube.pith');
   writeFileSync(path, JSON.stringify(document));
-  server = await startServer(path);
-  opened = await openPage(server, { built });
-  const { page } = opened;
+  const page = await desk.open(path, { built });
   await page.waitForFunction(() => globalThis.pith.viewport.surfaces.shown.length > 0 && globalThis.pith.viewport.view, undefined, { timeout: 60000, polling: 30 });
   await page.waitForFunction(() => !globalThis.pith.store.state.jobs.some((job) => job.state === 'waiting' || job.state === 'running'), undefined, { timeout: 60000, polling: 50 });
   const { width, height } = await viewBox(page);
@@ -81,16 +77,7 @@ test('sides of a stroke are those of cuts: right as it runs, on straight beyond 
 });
 
 describe('surfaces', { timeout: 600000 }, () => {
-  beforeEach(() => { folder = mkdtempSync(join(tmpdir(), 'pith-surfaces-')); });
-  afterEach(async () => {
-    const problems = opened?.problems ?? [];
-    await opened?.close();
-    await server?.stop();
-    rmSync(folder, { recursive: true, force: true });
-    opened = server = undefined;
-    assert.deepEqual(problems, [], 'the page complained');
-  });
-  after(closeBrowser);
+  desk = new Desk();
 
   test('each side has its colour, the skin about them is seen through, and eyes hide', async () => {
     const { page, at } = await open();
