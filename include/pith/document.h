@@ -45,7 +45,8 @@ pith_status pith_document_files(const pith_document *document, char ***files, si
 size_t pith_document_solids(const pith_document *document);
 const char *pith_document_solid_name(const pith_document *document, size_t index);
 
-/** JSON text in the layout of pith_document_save: arrays of plain values on one line. Caller frees with pith_free. */
+/** JSON text in the layout of pith_document_save: arrays of plain values on one line, points of curves
+ *  as many to a line as it holds. Caller frees with pith_free. */
 pith_status pith_document_schema(char **text, pith_error *err);     /* the JSON Schema (draft 2020-12) of a document */
 /** Every key of a document as Markdown tables: the reference part of docs/document.md. Caller frees with pith_free. */
 pith_status pith_document_keys(char **text, pith_error *err);

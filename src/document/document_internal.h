@@ -110,7 +110,8 @@ void json_colour(const json_t *value, float colour[3]);     /* linear */
 /* Text that grows. After a failure `failed` is set and everything else is ignored. */
 typedef struct text_buffer { char *text; size_t length, capacity; bool failed; } text_buffer;
 void text_add(text_buffer *buffer, const char *format, ...) __attribute__((format(printf, 2, 3)));
-/* Pretty JSON: two spaces of indent, arrays of plain values on one line, shortest numbers that read back equal. */
+/* Pretty JSON: two spaces of indent, arrays of plain values on one line, as many points of a curve on one as it holds,
+   shortest numbers that read back equal. */
 void text_add_json(text_buffer *buffer, const json_t *value, int indent);
 /* One operation on documents (the table of them is in operations.c, what they do in apply*.c). */
 typedef struct edit edit;

@@ -58,6 +58,8 @@ static void add_string(text_buffer *buffer, const char *value)
     json_decref(string);
 }
 
+enum { LINE_WIDTH = 110 };
+
 static bool is_plain(const json_t *value) { return !json_is_object(value) && !json_is_array(value); }
 
 static bool is_plain_list(const json_t *value)
@@ -67,8 +69,50 @@ static bool is_plain_list(const json_t *value)
     return true;
 }
 
+/* Points of a curve: a list of lists of plain values. */
+static bool is_list_of_points(const json_t *value)
+{
+    for (size_t i = 0; i < json_array_size(value); ++i)
+        if (!json_is_array(json_array_get(value, i)) || !is_plain_list(json_array_get(value, i))) return false;
+    return json_array_size(value) > 0;
+}
+
+/* As many points to a line as it holds; a few stay on the line of their key. */
+static void add_points(text_buffer *buffer, const json_t *list, int indent)
+{
+    enum { FEW = 60 };
+    const size_t count = json_array_size(list);
+    text_buffer points = { 0 };
+    size_t line = 0; /* where the last line begins */
+    for (size_t i = 0; i < count; ++i) {
+        const size_t before = points.length;
+        text_add_json(&points, json_array_get(list, i), 0);
+        if (i + 1 < count) text_add(&points, ", ");
+        if (points.failed || points.length - line + (size_t)indent <= LINE_WIDTH || before == line) continue;
+        points.text[before - 1] = '\n'; /* instead of the blank */
+        line = before;
+    }
+    const bool few = points.length <= FEW;
+    if (few) text_add(buffer, "[");
+    else text_add(buffer, "[\n%*s", indent + 2, "");
+    char *save = NULL, *next = points.failed ? NULL : strtok_r(points.text, "\n", &save);
+    while (next) {
+        text_add(buffer, "%s", next);
+        next = strtok_r(NULL, "\n", &save);
+        if (next) text_add(buffer, "\n%*s", indent + 2, "");
+    }
+    if (few) text_add(buffer, "]");
+    else text_add(buffer, "\n%*s]", indent, "");
+    buffer->failed |= points.failed;
+    pith_free(points.text);
+}
+
 static void add_list(text_buffer *buffer, const json_t *list, int indent)
 {
+    if (is_list_of_points(list)) {
+        add_points(buffer, list, indent);
+        return;
+    }
     const size_t count = json_array_size(list);
     const bool one_line = is_plain_list(list);
     text_add(buffer, "[");
