@@ -475,20 +475,25 @@ static pith_status write_loops(const model *of, const strand *own, pith_varied_s
     return PITH_OK;
 }
 
-/* Random folds, each drawn again while it does not fit, and nearer and nearer to how it was drawn. */
-static pith_status make_folds(model *of, uint64_t seed, double strength, pith_error *err)
+/* Random folds, each drawn again while it does not fit, and nearer and nearer to how it was drawn. kept: the mean of the
+   shares of the strength that they came out with. */
+static pith_status make_folds(model *of, uint64_t seed, double strength, double *kept, pith_error *err)
 {
     enum { DRAWS = 8, HALVINGS = 6 };
+    double shares = 0.0;
     for (size_t f = 0; f < of->folds; ++f) {
         pith_rng rng = pith_rng_make(seed, f);
         pith_vec2 *fold = of->made + f * of->size;
         bool fits = false;
         for (int i = 0; !fits && i < DRAWS + HALVINGS; ++i) {
-            random_fold(of, f, i < DRAWS ? strength : ldexp(strength, DRAWS - 1 - i), &rng, fold);
+            const double share = i < DRAWS ? 1.0 : ldexp(1.0, DRAWS - 1 - i);
+            random_fold(of, f, share * strength, &rng, fold);
             PITH_TRY(fold_fits(of, fold, &fits, err));
+            if (fits) shares += share;
         }
         if (!fits) memcpy(fold, of->points + f * of->size, of->size * sizeof *fold);
     }
+    *kept = shares / (double)of->folds;
     return PITH_OK;
 }
 
@@ -504,7 +509,9 @@ pith_status vary_folds(const pith_sketch *drawn, uint64_t seed, double strength,
         PITH_TRY_OR(done, take_points(&of, err));
         PITH_TRY_OR(done, find_components(&of, err));
         PITH_TRY_OR(done, find_crossings(&of, err));
-        PITH_TRY_OR(done, make_folds(&of, seed, strength, err));
+        double kept;
+        PITH_TRY_OR(done, make_folds(&of, seed, strength, &kept, err));
+        varied->strength *= kept;
         for (size_t s = 0; s < of.strand_count; ++s)
             PITH_TRY_OR(done, (of.strands[s].chamber ? write_loops : write_pieces)(&of, &of.strands[s], varied, err));
     }
