@@ -348,18 +348,6 @@ done:
 
 /* ---- what is left -------------------------------------------------------------------------------------------------------- */
 
-static uint32_t root_of(uint32_t *parent, uint32_t i)
-{
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-}
-
-static void unite(uint32_t *parent, uint32_t a, uint32_t b)
-{
-    a = root_of(parent, a), b = root_of(parent, b);
-    parent[a < b ? b : a] = a < b ? a : b;
-}
-
 /* The corner of a triangle (3 * triangle + place) at a vertex. */
 static uint32_t corner_at(const working *w, uint32_t t, uint32_t vertex)
 {
@@ -380,7 +368,8 @@ static void join_corners(const working *w, const surface_edges *edges, uint32_t 
                 continue;
             }
             for (int end = 0; end < 2; ++end)
-                unite(parent, corner_at(w, t, edges->ends[e][end]), corner_at(w, first[e], edges->ends[e][end]));
+                surface_unite(parent, corner_at(w, t, edges->ends[e][end]),
+                              corner_at(w, first[e], edges->ends[e][end]));
         }
 }
 
@@ -405,7 +394,7 @@ static pith_status part_fans(working *w, pith_error *err)
     for (uint32_t i = 0; i < corners; ++i) {
         uint32_t *v = &w->triangles[i / 3][i % 3];
         if (!w->touched[*v]) continue;
-        uint32_t *own = &vertex[root_of(parent, i)];
+        uint32_t *own = &vertex[surface_root(parent, i)];
         if (*own == PITH_NONE && !taken[*v]) {
             taken[*v] = true;
             *own = *v;
