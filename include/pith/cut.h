@@ -95,9 +95,19 @@ pith_cut_stroke_options pith_cut_stroke_options_default(void);
  *  O(points + count + 1 / spacing²); 40 µs for 200 points with the standard spacing. */
 pith_status pith_cut_stroke_check(const pith_cut_stroke *stroke, const pith_cut_stroke_options *options,
                                   const pith_vec3 *model, size_t count, pith_error *err);
-/** A scalar at each of these points, [count], in model units near the stroke: what pith_part_stroke_values gives at the
- *  model's own vertices. model [model_count] as above; its outline decides how the stroke goes on, so the same model gives
- *  the same surface whatever the points. Errors as there. O(model_count + count / spacing), parallel. */
+/** What a stroke cuts along, ready to be asked at points: a scalar that is 0 there. */
+typedef struct pith_cut_scalar pith_cut_scalar;
+/** model [model_count] as above; its outline decides how the stroke goes on, so the same model gives the same surface
+ *  whatever the points. Errors as those of pith_cut_stroke_check. O(model_count + 1 / spacing³): with the standard spacing
+ *  0.3 ms, 0.2 s with 0.002. */
+pith_status pith_cut_scalar_create(const pith_cut_stroke *stroke, const pith_cut_stroke_options *options,
+                                   const pith_vec3 *model, size_t model_count, pith_cut_scalar **scalar, pith_error *err);
+/** The scalar at each of these points, [count], in model units near the stroke: what pith_part_stroke_values gives at the
+ *  model's own vertices. O(count / spacing), parallel. */
+pith_status pith_cut_scalar_values(const pith_cut_scalar *scalar, const pith_vec3 *points, size_t count, double *values,
+                                   pith_error *err);
+void pith_cut_scalar_destroy(pith_cut_scalar *scalar);
+/** The same at once, for points that are asked for once. */
 pith_status pith_cut_stroke_values(const pith_cut_stroke *stroke, const pith_cut_stroke_options *options,
                                    const pith_vec3 *model, size_t model_count, const pith_vec3 *points, size_t count,
                                    double *values, pith_error *err);

@@ -124,12 +124,16 @@ typedef struct pith_varied_sketch pith_varied_sketch;
  *  that they join, smoothly where no corner is drawn there. A fold in which chambers would leave it, or curves cross that
  *  did not in any fold, is drawn again. A single loop that stands for all folds, and a sketch of one fold, stay.
  *  Circles stay. Loops that did not cross do not: where they would, the individual is made less different until they do
- *  not. The same bytes for the same seed, whatever the number of threads. strength 0 is a copy. PITH_BAD_ARGUMENT: what
- *  pith_sketch_check refuses, options out of range. About 15 ms for five loops of 96 samples. */
+ *  not, as pith_varied_sketch_strength says. The same bytes for the same seed, whatever the number of threads. strength 0
+ *  is a copy. PITH_BAD_ARGUMENT: what pith_sketch_check refuses, options out of range. About 15 ms for five loops of 96
+ *  samples. */
 pith_status pith_sketch_vary(const pith_sketch *sketch, const pith_variation_options *options,
                              pith_varied_sketch **varied, pith_error *err);
 /** The varied sketch, borrowed from it. */
 const pith_sketch *pith_varied_sketch_look(const pith_varied_sketch *varied);
+/** The strength that it ended with: what was asked for to the bit, or less, down to 0, where it had to come nearer to the
+ *  drawing. With folds, each of which has its own, their mean. What stays whatever the strength is does not count. */
+double pith_varied_sketch_strength(const pith_varied_sketch *varied);
 void pith_varied_sketch_destroy(pith_varied_sketch *varied);
 
 #endif

@@ -280,16 +280,44 @@ pith_status pith_cut_stroke_check(const pith_cut_stroke *stroke, const pith_cut_
     return PITH_OK;
 }
 
-pith_status pith_cut_stroke_values(const pith_cut_stroke *stroke, const pith_cut_stroke_options *options,
-                                   const pith_vec3 *model, size_t model_count, const pith_vec3 *points, size_t count,
+struct pith_cut_scalar {
+    picture view;
+    cut_curve curve;
+    pith_rbf *rbf;
+};
+
+pith_status pith_cut_scalar_create(const pith_cut_stroke *stroke, const pith_cut_stroke_options *options,
+                                   const pith_vec3 *model, size_t model_count, pith_cut_scalar **scalar, pith_error *err)
+{
+    if (!stroke || !options || !scalar)
+        return pith_fail(err, PITH_BAD_ARGUMENT, "pith_cut_scalar_create: %s is NULL",
+                         !stroke ? "stroke" : !options ? "options" : "scalar");
+    pith_cut_scalar *made = pith_alloc(1, sizeof *made);
+    if (!made) return PITH_OUT_OF_MEMORY(err, "what a stroke cuts along");
+    pith_status status;
+    PITH_TRY_OR(failed, make_curve(stroke, options, model, model ? model_count : 0, &made->view, &made->curve, err));
+    PITH_TRY_OR(failed, make_rbf(&made->curve, options, &made->rbf, err));
+    *scalar = made;
+    return PITH_OK;
+failed:
+    pith_cut_scalar_destroy(made);
+    return status;
+}
+
+void pith_cut_scalar_destroy(pith_cut_scalar *scalar)
+{
+    if (!scalar) return;
+    cut_curve_free(&scalar->curve);
+    pith_rbf_destroy(scalar->rbf);
+    pith_free(scalar);
+}
+
+pith_status pith_cut_scalar_values(const pith_cut_scalar *scalar, const pith_vec3 *points, size_t count,
                                    double *values, pith_error *err)
 {
-    if (!stroke || !options || !points || !values)
-        return pith_fail(err, PITH_BAD_ARGUMENT, "pith_cut_stroke_values: %s is NULL",
-                         !stroke ? "stroke" : !options ? "options" : !points ? "points" : "values");
-    picture view;
-    cut_curve curve = { 0 };
-    pith_rbf *rbf = NULL;
+    if (!scalar || !points || !values)
+        return pith_fail(err, PITH_BAD_ARGUMENT, "pith_cut_scalar_values: %s is NULL",
+                         !scalar ? "scalar" : !points ? "points" : "values");
     field f = { points, count, pith_alloc(count, sizeof *f.values), pith_alloc(count, sizeof *f.weight),
                 pith_alloc(count, sizeof *f.limit) };
     pith_status status = PITH_OK;
@@ -297,17 +325,24 @@ pith_status pith_cut_stroke_values(const pith_cut_stroke *stroke, const pith_cut
         status = PITH_OUT_OF_MEMORY(err, "values along a stroke");
         goto done;
     }
-    PITH_TRY_OR(done, make_curve(stroke, options, model, model ? model_count : 0, &view, &curve, err));
-    PITH_TRY_OR(done, make_rbf(&curve, options, &rbf, err));
-    measure_distances(&view, &curve, &f);
-    PITH_TRY_OR(done, correct(&view, rbf, &f, err));
+    measure_distances(&scalar->view, &scalar->curve, &f);
+    PITH_TRY_OR(done, correct(&scalar->view, scalar->rbf, &f, err));
     for (size_t i = 0; i < count; ++i) values[i] = f.values[i];
 done:
-    cut_curve_free(&curve);
-    pith_rbf_destroy(rbf);
     pith_free(f.values);
     pith_free(f.weight);
     pith_free(f.limit);
+    return status;
+}
+
+pith_status pith_cut_stroke_values(const pith_cut_stroke *stroke, const pith_cut_stroke_options *options,
+                                   const pith_vec3 *model, size_t model_count, const pith_vec3 *points, size_t count,
+                                   double *values, pith_error *err)
+{
+    pith_cut_scalar *scalar = NULL;
+    PITH_TRY(pith_cut_scalar_create(stroke, options, model, model_count, &scalar, err));
+    const pith_status status = pith_cut_scalar_values(scalar, points, count, values, err);
+    pith_cut_scalar_destroy(scalar);
     return status;
 }
 

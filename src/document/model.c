@@ -23,6 +23,9 @@ void model_note(pith_model *model, const char *format, ...)
     va_start(arguments, format);
     vsnprintf(sentence, sizeof sentence, format, arguments);
     va_end(arguments);
+    const size_t own = strlen(sentence);
+    for (const char *at = notes; (at = strstr(at, sentence)) != NULL; ++at)
+        if ((at == notes || at[-1] == '\n') && (at[own] == '\n' || at[own] == '\0')) return;
     snprintf(notes + length, sizeof model->notes - length, "%s%s", length ? "\n" : "", sentence);
 }
 

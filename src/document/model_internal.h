@@ -153,7 +153,7 @@ struct pith_model {
     size_t volume_count;
 };
 
-/* Adds a sentence to the notes. */
+/* Adds a sentence to the notes, once: a stage that several models share is noted by each. */
 void model_note(pith_model *model, const char *format, ...) __attribute__((format(printf, 2, 3)));
 /* PITH_BAD_ARGUMENT for a whole of several bodies. */
 pith_status model_one_body(const pith_model *model, pith_error *err);
@@ -184,6 +184,8 @@ void model_drop_stamps(pith_model *model);
 void model_release_stages(pith_model *model);
 /* Notes what was wrong with the surface, when something was. */
 void model_note_surface(pith_model *model);
+/* Notes that the body's surfaces vary less than was asked for, when they do. */
+void model_note_variation(pith_model *model);
 /* Has the body strokes for a vector field? */
 bool model_has_vectors(const document_body *body);
 

@@ -21,6 +21,7 @@ struct body_surfaces {
     made_surface *items;            /* [count] */
     pith_diffusion_surface *views;  /* [count] of them */
     size_t count;
+    double strength;                /* that the variation ended with */
 };
 
 static void surface_clear(made_surface *gone)
@@ -396,6 +397,7 @@ static pith_status make_surfaces(pith_model *model, body_surfaces *made, pith_er
     if (sketch->varied && sketch->drawn.feature_count > 0) {
         const pith_status status = pith_sketch_vary(&sketch->drawn, &sketch->variation, &varied, err);
         if (status != PITH_OK) return model_fail_at(model, status, "sketch.variation", NULL, NULL, err);
+        made->strength = pith_varied_sketch_strength(varied);
     }
     const pith_sketch *drawn = varied ? pith_varied_sketch_look(varied) : NULL;
     pith_status status = PITH_OK;
@@ -410,6 +412,19 @@ static pith_status make_surfaces(pith_model *model, body_surfaces *made, pith_er
         status = place_surface(body, &body->surfaces[i], &made->items[i], err);
     pith_varied_sketch_destroy(varied);
     return status;
+}
+
+void model_note_variation(pith_model *model)
+{
+    const document_sketch *sketch = &model->body->sketch;
+    const double wanted = sketch->variation.strength, strength = model->surfaces->strength;
+    if (!sketch->varied || sketch->drawn.feature_count == 0 || !(strength < wanted)) return;
+    if (strength > 0.0)
+        model_note(model, "%ssketch.variation: its strength is %.2g instead of %.2g, because curves would have crossed or "
+                   "left their folds", model->body->place, strength, wanted);
+    else
+        model_note(model, "%ssketch.variation: all is as it was drawn, because curves would have crossed or left their "
+                   "folds whatever the strength; leave more room between them", model->body->place);
 }
 
 static void look_at_surfaces(const document_body *body, body_surfaces *made)
@@ -446,6 +461,7 @@ pith_status pith_model_surfaces(pith_model *model, const pith_diffusion_surface 
         }
         look_at_surfaces(model->body, made);
         PITH_TRY(model_hold(model, STAGE_SURFACES, made, err));
+        model_note_variation(model);
         model_took(model, offsetof(pith_model_times, shape), start);
     }
     if (surfaces) *surfaces = model->surfaces->views;

@@ -204,6 +204,7 @@ void model_share_body(pith_model *to, const pith_model *from)
         to->fill_report.pastes = 0;
         to->has_fill_report = true;
     }
+    if (taken[STAGE_SURFACES]) model_note_variation(to);
     if (taken[STAGE_SOLID]) to->fill_report.pastes = from->fill_report.pastes;
     share_stamps(to, from);
 }

@@ -248,7 +248,8 @@ static pith_status check_sketch(reader *in, const document_body *body)
 {
     pith_error why;
     const pith_status status = pith_sketch_check(&body->sketch.drawn, &why);
-    if (status == PITH_OK || status == PITH_NO_MEMORY) return status == PITH_OK ? status : PITH_OUT_OF_MEMORY(in->err, "a sketch");
+    if (status == PITH_OK) return PITH_OK;
+    if (status == PITH_NO_MEMORY) return PITH_OUT_OF_MEMORY(in->err, "a sketch");
     reader_enter(in, "surfaces");
     return reader_fail(in, "%s", why.message);
 }

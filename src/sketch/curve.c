@@ -339,14 +339,14 @@ void sketch_place(const sketch_mark *marks, size_t mark_count, const double *wis
     }
 }
 
-pith_status pith_curve_sample(const pith_curve *curve, size_t count, pith_vec2 *samples, double *parameters,
-                              pith_error *err)
+static pith_status sample_curve(const pith_curve *curve, sketch_reading reading, size_t count, pith_vec2 *samples,
+                                double *parameters, pith_error *err)
 {
     if (count < 2) return pith_fail(err, PITH_BAD_ARGUMENT, "a curve is sampled at 2 points at least, not %zu", count);
     sketch_spline spline;
     double *places = NULL, *corners = NULL;
     pith_status status;
-    PITH_TRY_OR(done, sketch_spline_make(curve, SKETCH_FREE, &spline, err));
+    PITH_TRY_OR(done, sketch_spline_make(curve, reading, &spline, err));
     places = pith_alloc(count + 1, sizeof *places);
     corners = pith_alloc(spline.knot_count, sizeof *corners);
     if (!places || !corners) PITH_TRY_OR(done, PITH_OUT_OF_MEMORY(err, "samples"));
@@ -361,6 +361,17 @@ done:
     pith_free(corners);
     sketch_spline_free(&spline);
     return status;
+}
+
+pith_status pith_curve_sample(const pith_curve *curve, size_t count, pith_vec2 *samples, double *parameters,
+                              pith_error *err)
+{
+    return sample_curve(curve, SKETCH_FREE, count, samples, parameters, err);
+}
+
+pith_status pith_feature_profile(const pith_feature *feature, size_t count, pith_vec2 *samples, pith_error *err)
+{
+    return sample_curve(&feature->vertical, SKETCH_HALF_PLANE, count, samples, NULL, err);
 }
 
 /* ---- checks ---------------------------------------------------------------------------------------------------------------- */
@@ -385,11 +396,16 @@ pith_status sketch_spline_check_crossing(const sketch_spline *spline, pith_error
         at.x, at.y, a, b);
 }
 
-pith_status pith_curve_check(const pith_curve *curve, pith_error *err)
+pith_status sketch_curve_check(const pith_curve *curve, sketch_reading reading, pith_error *err)
 {
     sketch_spline spline;
-    pith_status status = sketch_spline_make(curve, SKETCH_FREE, &spline, err);
+    pith_status status = sketch_spline_make(curve, reading, &spline, err);
     if (status == PITH_OK) status = sketch_spline_check_crossing(&spline, err);
     sketch_spline_free(&spline);
     return status;
+}
+
+pith_status pith_curve_check(const pith_curve *curve, pith_error *err)
+{
+    return sketch_curve_check(curve, SKETCH_FREE, err);
 }

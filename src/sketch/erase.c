@@ -23,9 +23,8 @@ enum { CURVE_SAMPLES = 513, MOST_STEPS = 40 };
 
 typedef struct scalar {
     const pith_erase *erase;
-    pith_vec2 *samples;     /* [CURVE_SAMPLES] of a pane's curve */
-    const pith_vec3 *model; /* [model_count] the mesh as it was given */
-    size_t model_count;
+    pith_vec2 *samples;      /* [CURVE_SAMPLES] of a pane's curve */
+    pith_cut_scalar *stroke; /* of a stroke, continued to the outline of the mesh as it was given */
 } scalar;
 
 static pith_status plane_values(const pith_plane *plane, const pith_vec3 *points, size_t count, double *values,
@@ -65,7 +64,7 @@ static pith_status evaluate(const scalar *s, const pith_vec3 *points, size_t cou
         PITH_TRY(plane_values(&e->plane, points, count, values, err));
         break;
     case PITH_ERASE_STROKE:
-        PITH_TRY(pith_cut_stroke_values(&e->stroke, &e->follow, s->model, s->model_count, points, count, values, err));
+        PITH_TRY(pith_cut_scalar_values(s->stroke, points, count, values, err));
         break;
     case PITH_ERASE_VERTICAL:
     case PITH_ERASE_HORIZONTAL:
@@ -348,18 +347,6 @@ done:
 
 /* ---- what is left -------------------------------------------------------------------------------------------------------- */
 
-static uint32_t root_of(uint32_t *parent, uint32_t i)
-{
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-}
-
-static void unite(uint32_t *parent, uint32_t a, uint32_t b)
-{
-    a = root_of(parent, a), b = root_of(parent, b);
-    parent[a < b ? b : a] = a < b ? a : b;
-}
-
 /* The corner of a triangle (3 * triangle + place) at a vertex. */
 static uint32_t corner_at(const working *w, uint32_t t, uint32_t vertex)
 {
@@ -380,7 +367,8 @@ static void join_corners(const working *w, const surface_edges *edges, uint32_t 
                 continue;
             }
             for (int end = 0; end < 2; ++end)
-                unite(parent, corner_at(w, t, edges->ends[e][end]), corner_at(w, first[e], edges->ends[e][end]));
+                surface_unite(parent, corner_at(w, t, edges->ends[e][end]),
+                              corner_at(w, first[e], edges->ends[e][end]));
         }
 }
 
@@ -405,7 +393,7 @@ static pith_status part_fans(working *w, pith_error *err)
     for (uint32_t i = 0; i < corners; ++i) {
         uint32_t *v = &w->triangles[i / 3][i % 3];
         if (!w->touched[*v]) continue;
-        uint32_t *own = &vertex[root_of(parent, i)];
+        uint32_t *own = &vertex[surface_root(parent, i)];
         if (*own == PITH_NONE && !taken[*v]) {
             taken[*v] = true;
             *own = *v;
@@ -493,15 +481,19 @@ done:
 static pith_status make_erase(const pith_erase *erase, const pith_mesh_view *mesh, double size, working *w,
                               pith_error *err)
 {
-    const bool pane = erase->kind == PITH_ERASE_VERTICAL || erase->kind == PITH_ERASE_HORIZONTAL;
-    scalar s = { .erase = erase, .model = mesh->positions, .model_count = mesh->vertex_count };
-    if (pane) {
+    scalar s = { .erase = erase };
+    pith_status status = PITH_OK;
+    if (erase->kind == PITH_ERASE_VERTICAL || erase->kind == PITH_ERASE_HORIZONTAL) {
         PITH_TRY(pith_curve_check(&erase->curve, err));
         s.samples = pith_alloc(CURVE_SAMPLES, sizeof *s.samples);
         if (!s.samples) return PITH_OUT_OF_MEMORY(err, "samples of a curve");
+        status = pith_curve_sample(&erase->curve, CURVE_SAMPLES, s.samples, NULL, err);
     }
-    pith_status status = pane ? pith_curve_sample(&erase->curve, CURVE_SAMPLES, s.samples, NULL, err) : PITH_OK;
+    if (erase->kind == PITH_ERASE_STROKE)
+        status =
+            pith_cut_scalar_create(&erase->stroke, &erase->follow, mesh->positions, mesh->vertex_count, &s.stroke, err);
     if (status == PITH_OK) status = erase_one(&s, w, size, err);
+    pith_cut_scalar_destroy(s.stroke);
     pith_free(s.samples);
     return status;
 }

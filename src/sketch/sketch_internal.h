@@ -55,6 +55,8 @@ pith_vec2 sketch_spline_at(const sketch_spline *spline, double length);
 double sketch_spline_area2(const sketch_spline *spline);
 /* PITH_BAD_ARGUMENT, naming the points, when the curve crosses or touches itself. */
 pith_status sketch_spline_check_crossing(const sketch_spline *spline, pith_error *err);
+/* What sketch_spline_make and sketch_spline_check_crossing refuse. */
+pith_status sketch_curve_check(const pith_curve *curve, sketch_reading reading, pith_error *err);
 /* Where the curve crosses the line through the axis in a direction (unit), beyond a distance from the axis (0: the ray
    alone, -INFINITY: all the line): the crossing that lies farthest that way, or nearest. False when there is none. */
 bool sketch_spline_meets(const sketch_spline *spline, pith_vec2 direction, double beyond, bool farthest, double *place,

@@ -48,23 +48,14 @@ typedef struct unknowns {
     uint32_t count;
 } unknowns;
 
-static uint32_t root_of(uint32_t *parent, uint32_t v)
-{
-    while (parent[v] != v) v = parent[v] = parent[parent[v]];
-    return v;
-}
-
 /* Numbers the free vertices of components that have a fixed one. held [vertex_count]: scratch, zero. */
 static void number_unknowns(const surface_edges *edges, uint32_t vertex_count, const bool *fixed, bool *held,
                             unknowns *u)
 {
     for (uint32_t v = 0; v < vertex_count; ++v) u->component[v] = v;
-    for (uint32_t e = 0; e < edges->count; ++e) {
-        const uint32_t a = root_of(u->component, edges->ends[e][0]), b = root_of(u->component, edges->ends[e][1]);
-        u->component[a < b ? b : a] = a < b ? a : b;
-    }
+    for (uint32_t e = 0; e < edges->count; ++e) surface_unite(u->component, edges->ends[e][0], edges->ends[e][1]);
     for (uint32_t v = 0; v < vertex_count; ++v) {
-        u->component[v] = root_of(u->component, v);
+        u->component[v] = surface_root(u->component, v);
         if (fixed[v]) held[u->component[v]] = true;
     }
     for (uint32_t v = 0; v < vertex_count; ++v)

@@ -31,7 +31,7 @@ pith_status surface_check_indices(const uint32_t (*triangles)[3], uint32_t count
     return PITH_OK;
 }
 
-/* Calls for each side of a triangle that is an edge: lower and higher end. */
+/* The ends of the side opposite a corner, the lower first; false where they are the same, which is no edge. */
 static bool side_of(const uint32_t *triangle, int corner, uint32_t *low, uint32_t *high)
 {
     const uint32_t a = triangle[(corner + 1) % 3], b = triangle[(corner + 2) % 3];

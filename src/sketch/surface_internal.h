@@ -1,4 +1,4 @@
-/* What the files share that work on finished surfaces: their edges. */
+/* What the files share that work on finished surfaces: their edges, and what hangs together by them. */
 #ifndef PITH_SKETCH_SURFACE_INTERNAL_H
 #define PITH_SKETCH_SURFACE_INTERNAL_H
 
@@ -18,5 +18,17 @@ pith_status surface_check_indices(const uint32_t (*triangles)[3], uint32_t count
 pith_status surface_edges_find(const uint32_t (*triangles)[3], uint32_t triangle_count, uint32_t vertex_count,
                                surface_edges *edges, pith_error *err);
 void surface_edges_free(surface_edges *edges);
+
+/* Sets in a forest, each called by its lowest member; at first parent[i] is i. */
+static inline uint32_t surface_root(uint32_t *parent, uint32_t i)
+{
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+    return i;
+}
+static inline void surface_unite(uint32_t *parent, uint32_t a, uint32_t b)
+{
+    a = surface_root(parent, a), b = surface_root(parent, b);
+    parent[a < b ? b : a] = a < b ? a : b;
+}
 
 #endif

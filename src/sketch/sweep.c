@@ -1,8 +1,6 @@
 /* Surfaces of features: what is refused of a sketch, and loops swept along the axis. */
 #include "sketch_internal.h"
 
-#include <stdio.h>
-
 /* ---- options -------------------------------------------------------------------------------------------------------------- */
 
 static const pith_param feature_items[] = {
@@ -29,11 +27,7 @@ static pith_status check_vertical(const pith_feature *feature, pith_error *err)
 {
     if (feature->kind == PITH_FEATURE_CHAMBERS && !feature->vertical.closed)
         return pith_fail(err, PITH_BAD_ARGUMENT, "chambers have a closed loop, and this one is open");
-    sketch_spline spline;
-    pith_status status = sketch_spline_make(&feature->vertical, SKETCH_HALF_PLANE, &spline, err);
-    if (status == PITH_OK) status = sketch_spline_check_crossing(&spline, err);
-    sketch_spline_free(&spline);
-    return status;
+    return sketch_curve_check(&feature->vertical, SKETCH_HALF_PLANE, err);
 }
 
 static pith_status check_loop(const pith_sketch *sketch, const pith_feature *feature, size_t i, uint64_t *folds_taken,
@@ -190,26 +184,6 @@ static pith_status unit_loop(const pith_sketch *sketch, const pith_feature *feat
     const double radius = samples[0].x;
     for (uint32_t i = 0; i < feature->across; ++i) samples[i] = v2(samples[i].x / radius, samples[i].y / radius);
     return PITH_OK;
-}
-
-pith_status pith_feature_profile(const pith_feature *feature, size_t count, pith_vec2 *samples, pith_error *err)
-{
-    if (count < 2) return pith_fail(err, PITH_BAD_ARGUMENT, "a curve is sampled at 2 points at least, not %zu", count);
-    sketch_spline spline;
-    double *places = NULL, *wishes = NULL;
-    pith_status status;
-    PITH_TRY_OR(done, sketch_spline_make(&feature->vertical, SKETCH_HALF_PLANE, &spline, err));
-    places = pith_alloc(count + 1, sizeof *places);
-    wishes = pith_alloc(spline.knot_count, sizeof *wishes);
-    if (!places || !wishes) PITH_TRY_OR(done, PITH_OUT_OF_MEMORY(err, "samples of a vertical curve"));
-    const sketch_mark ends[2] = { { 0.0, 0 }, { spline.length, spline.closed ? count : count - 1 } };
-    sketch_place(ends, 2, wishes, sketch_spline_corners(&spline, wishes), places);
-    for (size_t i = 0; i < count; ++i) samples[i] = sketch_spline_at(&spline, places[i]);
-done:
-    pith_free(places);
-    pith_free(wishes);
-    sketch_spline_free(&spline);
-    return status;
 }
 
 static pith_status sweep_around(const pith_sketch *sketch, const pith_feature *feature, pith_mesh **mesh,

@@ -69,6 +69,8 @@ static pith_status copy_sketch(const pith_sketch *from, pith_varied_sketch **cop
 
 const pith_sketch *pith_varied_sketch_look(const pith_varied_sketch *varied) { return &varied->sketch; }
 
+double pith_varied_sketch_strength(const pith_varied_sketch *varied) { return varied->strength; }
+
 void pith_varied_sketch_destroy(pith_varied_sketch *varied)
 {
     if (!varied) return;
@@ -168,6 +170,7 @@ pith_status pith_sketch_vary(const pith_sketch *sketch, const pith_variation_opt
     for (int i = 0; status == PITH_OK && !made; ++i, strength *= 0.5) {
         if (i == TRIES) strength = 0.0; /* as it was drawn */
         PITH_TRY_OR(done, copy_sketch(sketch, &made, err));
+        made->strength = strength;
         if (!(strength > 0.0)) break;
         pith_status fits = (sketch->folds == 0 ? vary_texture : vary_folds)(sketch, options->seed, strength, made, err);
         if (fits == PITH_OK) fits = check_varied(&drawn, &made->sketch, err);

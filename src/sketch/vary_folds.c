@@ -15,6 +15,7 @@ typedef struct strand {
     size_t count, at; /* points, and where they begin in a fold's vector */
     bool *corners;    /* [count] where most folds have one */
     uint32_t *which;  /* [folds] chambers: the loop that lies in this fold */
+    uint32_t shown;   /* chambers: the loop that the vertical one shows, as sketch_chambers chooses it */
 } strand;
 
 typedef struct model {
@@ -150,6 +151,8 @@ static pith_status take_loops(model *of, strand *to, uint32_t *corner_counts, pi
     const pith_feature *feature = &of->drawn->features[to->feature];
     pith_vec2 samples[MOST_POINTS];
     uint32_t counts[MOST_POINTS];
+    const pith_vec2 *first = samples; /* the loop that is listed first is taken as it is, and others against it */
+    double nearest = -INFINITY;
     for (uint32_t i = 0; i < feature->horizontal_count; ++i) {
         sketch_loop loop;
         sketch_frame frame;
@@ -163,17 +166,14 @@ static pith_status take_loops(model *of, strand *to, uint32_t *corner_counts, pi
             count_corners(&loop.spline, samples, to->count, counts);
             turn_all(samples, to->count, -of->begin - of->width * (double)fold);
             to->which[fold] = i;
+            if (frame.direction.x > nearest + 1e-9) nearest = frame.direction.x, to->shown = i;
             pith_vec2 *points = of->points + fold * of->size + to->at;
-            /* Against the first loop that is listed, which is taken as it is. */
-            const pith_vec2 *first = i == 0 ? samples : of->points + to->at;
-            if (i > 0)
-                for (size_t f = 0; f < of->folds; ++f)
-                    if (to->which[f] == 0 && f != fold) first = of->points + f * of->size + to->at;
             const size_t shift = best_shift(samples, first, to->count);
             for (size_t k = 0; k < to->count; ++k) {
                 points[k] = samples[(k + shift) % to->count];
                 corner_counts[k] += counts[(k + shift) % to->count];
             }
+            if (i == 0) first = points;
         }
         sketch_loop_free(&loop);
         PITH_TRY(status);
@@ -194,7 +194,6 @@ static pith_status take_points(model *of, pith_error *err)
     for (size_t s = 0; s < of->strand_count; ++s) {
         uint32_t counts[MOST_POINTS] = { 0 };
         strand *to = &of->strands[s];
-        for (size_t f = 0; f < of->folds; ++f) to->which[f] = UINT32_MAX;
         PITH_TRY((to->chamber ? take_loops : take_pieces)(of, to, counts, err));
         for (size_t i = 0; i < to->count; ++i) to->corners[i] = 2 * counts[i] >= of->folds;
     }
@@ -429,21 +428,6 @@ static pith_status hold_shown(const pith_curve *drawn, pith_vec2 *points, size_t
     return PITH_OK;
 }
 
-/* The chamber that the vertical loop shows, as sketch_chambers chooses it. */
-static pith_status find_shown(const pith_feature *feature, size_t *shown, pith_error *err)
-{
-    double nearest = -INFINITY;
-    for (size_t i = 0; i < feature->horizontal_count; ++i) {
-        sketch_loop loop;
-        const pith_status status = sketch_loop_make(&feature->horizontal[i], &loop, err);
-        const double x = cos(0.5 * (loop.least + loop.most));
-        sketch_loop_free(&loop);
-        PITH_TRY(status);
-        if (x > nearest + 1e-9) nearest = x, *shown = i;
-    }
-    return PITH_OK;
-}
-
 static pith_status write_pieces(const model *of, const strand *own, pith_varied_sketch *varied, pith_error *err)
 {
     const size_t count = of->folds * (own->count - 1);
@@ -463,32 +447,36 @@ static pith_status write_pieces(const model *of, const strand *own, pith_varied_
 static pith_status write_loops(const model *of, const strand *own, pith_varied_sketch *varied, pith_error *err)
 {
     const pith_feature *feature = &of->drawn->features[own->feature];
-    size_t shown = 0;
-    PITH_TRY(find_shown(feature, &shown, err));
     for (size_t f = 0; f < of->folds; ++f) {
         pith_vec2 points[MOST_POINTS];
         memcpy(points, of->made + f * of->size + own->at, own->count * sizeof *points);
         turn_all(points, own->count, of->begin + of->width * (double)f);
-        if (own->which[f] == shown) PITH_TRY(hold_shown(&feature->horizontal[shown], points, own->count, err));
+        if (own->which[f] == own->shown)
+            PITH_TRY(hold_shown(&feature->horizontal[own->shown], points, own->count, err));
         PITH_TRY(vary_set_loop(varied, own->feature, own->which[f], points, own->corners, own->count, err));
     }
     return PITH_OK;
 }
 
-/* Random folds, each drawn again while it does not fit, and nearer and nearer to how it was drawn. */
-static pith_status make_folds(model *of, uint64_t seed, double strength, pith_error *err)
+/* Random folds, each drawn again while it does not fit, and nearer and nearer to how it was drawn. kept: the mean of the
+   shares of the strength that they came out with. */
+static pith_status make_folds(model *of, uint64_t seed, double strength, double *kept, pith_error *err)
 {
     enum { DRAWS = 8, HALVINGS = 6 };
+    double shares = 0.0;
     for (size_t f = 0; f < of->folds; ++f) {
         pith_rng rng = pith_rng_make(seed, f);
         pith_vec2 *fold = of->made + f * of->size;
         bool fits = false;
         for (int i = 0; !fits && i < DRAWS + HALVINGS; ++i) {
-            random_fold(of, f, i < DRAWS ? strength : ldexp(strength, DRAWS - 1 - i), &rng, fold);
+            const double share = i < DRAWS ? 1.0 : ldexp(1.0, DRAWS - 1 - i);
+            random_fold(of, f, share * strength, &rng, fold);
             PITH_TRY(fold_fits(of, fold, &fits, err));
+            if (fits) shares += share;
         }
         if (!fits) memcpy(fold, of->points + f * of->size, of->size * sizeof *fold);
     }
+    *kept = shares / (double)of->folds;
     return PITH_OK;
 }
 
@@ -504,7 +492,9 @@ pith_status vary_folds(const pith_sketch *drawn, uint64_t seed, double strength,
         PITH_TRY_OR(done, take_points(&of, err));
         PITH_TRY_OR(done, find_components(&of, err));
         PITH_TRY_OR(done, find_crossings(&of, err));
-        PITH_TRY_OR(done, make_folds(&of, seed, strength, err));
+        double kept;
+        PITH_TRY_OR(done, make_folds(&of, seed, strength, &kept, err));
+        varied->strength *= kept;
         for (size_t s = 0; s < of.strand_count; ++s)
             PITH_TRY_OR(done, (of.strands[s].chamber ? write_loops : write_pieces)(&of, &of.strands[s], varied, err));
     }

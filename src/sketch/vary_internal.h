@@ -7,6 +7,7 @@
 struct pith_varied_sketch {
     pith_sketch sketch;
     pith_feature *features;
+    double strength; /* that it ended with */
     void **owned; /* everything that the sketch points to */
     size_t owned_count, owned_capacity;
 };
@@ -19,7 +20,8 @@ pith_status vary_set_loop(pith_varied_sketch *varied, size_t feature, size_t whi
 /* Flags the samples that lie on the spline's corners. */
 void vary_find_corners(const sketch_spline *spline, const pith_vec2 *samples, size_t count, bool *corners);
 
-/* Replaces the horizontal loops of what was copied as it was drawn. strength > 0. */
+/* Replaces the horizontal loops of what was copied as it was drawn. strength > 0; it is the copy's, too, and lessened there
+   where folds came out with less. */
 pith_status vary_texture(const pith_sketch *drawn, uint64_t seed, double strength, pith_varied_sketch *varied,
                          pith_error *err);
 pith_status vary_folds(const pith_sketch *drawn, uint64_t seed, double strength, pith_varied_sketch *varied,

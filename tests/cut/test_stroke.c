@@ -614,6 +614,15 @@ static void test_points_have_the_values_that_the_part_has(void **state)
     double few[3];
     CHECK_OK(pith_cut_stroke_values(&stroke, &options, v.positions, v.vertex_count, v.positions + 40, 3, few, &err));
     for (int i = 0; i < 3; ++i) CHECK_NEAR(few[i], alone[40 + i], 0.0);
+    /* However often it is asked. */
+    pith_cut_scalar *scalar = NULL;
+    CHECK_OK(pith_cut_scalar_create(&stroke, &options, v.positions, v.vertex_count, &scalar, &err));
+    for (uint32_t from = 0; from < 9; from += 3) {
+        CHECK_OK(pith_cut_scalar_values(scalar, v.positions + from, 3, few, &err));
+        for (uint32_t i = 0; i < 3; ++i) CHECK_NEAR(few[i], alone[from + i], 0.0);
+    }
+    CHECK_FAILS(pith_cut_scalar_values(scalar, NULL, 3, few, &err), PITH_BAD_ARGUMENT, "points is NULL");
+    pith_cut_scalar_destroy(scalar);
     CHECK_FAILS(pith_cut_stroke_values(&stroke, NULL, NULL, 0, v.positions, 3, few, &err), PITH_BAD_ARGUMENT,
                 "options is NULL");
     free(values);

@@ -207,10 +207,12 @@ static void test_a_hollow_is_no_material(void **state)
 
 #define COMBINED(details)                                                                                              \
     "{ \"pith\": 1, \"surfaces\": [ " SKIN ", " CORE " ], \"shape\": { \"surfaces\": [\"skin\"] }, \"solids\": [ "     \
+    COMBINED_SOLIDS(details) " ] }"
+#define COMBINED_SOLIDS(details)                                                                                       \
     "{ \"name\": \"look\", \"kind\": \"combined\", \"colour\": \"inside\", \"details\": [ " details " ] }, "           \
     "{ \"name\": \"inside\", \"kind\": \"diffusion\" }, { \"name\": \"grain\", \"kind\": \"procedural\", \"nodes\": [ "  \
     "{ \"name\": \"x\", \"function\": \"component\", \"what\": \"x\" }, { \"name\": \"g\", \"function\": \"combine\", "  \
-    "\"of\": [ \"x\", 2 ] } ], \"colour\": \"g\" } ] }"
+    "\"of\": [ \"x\", 2 ] } ], \"colour\": \"g\" }"
 
 static void test_detail_lies_over_the_colour(void **state)
 {
@@ -240,6 +242,46 @@ static void test_detail_lies_over_the_colour(void **state)
     float again[4];
     sample(next, right, NULL, again);
     assert_memory_equal(again, here, sizeof here);
+    pith_model_destroy(next);
+    pith_document_destroy(edited);
+}
+
+/* Chambers with a corner on the line of their fold: there is no room for others. */
+#define TIGHT(solids)                                                                                                  \
+    "{ \"pith\": 1, \"sketch\": { \"folds\": 4, \"variation\": { \"seed\": 3 } }, \"surfaces\": [ " SKIN ", { \"name\": " \
+    "\"rooms\", \"kind\": \"chambers\", \"vertical\": [ [0.3, 0], [0.5, 0.2], [0.7, 0], [0.5, -0.2] ], "               \
+    "\"horizontals\": [ "                                                                                              \
+    "[ [0.4, -2e-10], [0.4, -2e-10], [0.7, 0.3], [0.7, 0.3], [0.3, 0.4], [0.3, 0.4] ], "                               \
+    "[ [2.04e-10, 0.408], [2.04e-10, 0.408], [-0.306, 0.714], [-0.306, 0.714], [-0.408, 0.306], [-0.408, 0.306] ], "   \
+    "[ [-0.432, 2.16e-10], [-0.432, 2.16e-10], [-0.756, -0.324], [-0.756, -0.324], [-0.324, -0.432], [-0.324, -0.432] ], " \
+    "[ [-2.36e-10, -0.472], [-2.36e-10, -0.472], [0.354, -0.826], [0.354, -0.826], [0.472, -0.354], [0.472, -0.354] ] "\
+    "] } ], \"shape\": { \"surfaces\": [\"skin\"] }, \"solids\": [ " solids " ] }"
+
+static size_t times_in(const char *text, const char *words)
+{
+    size_t times = 0;
+    while ((text = strstr(text, words)) != NULL) ++times, ++text;
+    return times;
+}
+
+/* A variation that had to stay as it was drawn says so, once, however many models share the surfaces. */
+static void test_a_variation_that_cannot_be_is_noted(void **state)
+{
+    (void)state;
+    static const char words[] = "sketch.variation: all is as it was drawn";
+    opened m = open_text(TIGHT(COMBINED_SOLIDS("{ \"solid\": \"grain\", \"way\": \"shade\", \"amount\": 1 }")));
+    const pith_solid *solid;
+    CHECK_OK(pith_model_solid(m.model, &solid, &err)); /* by a model for each of the two solids */
+    assert_int_equal(times_in(pith_model_notes(m.model), words), 1);
+    pith_document *edited = NULL;
+    pith_model *next = NULL;
+    static const char operation[] = "{ \"op\": \"set\", \"path\": \"title\", \"value\": \"other\" }";
+    CHECK_OK(pith_document_apply(m.document, operation, strlen(operation), &edited, &err));
+    CHECK_OK(pith_model_create(edited, NULL, NULL, &next, &err));
+    pith_model_share(next, m.model);
+    CHECK_OK(pith_model_surfaces(next, NULL, NULL, &err));
+    assert_int_equal(times_in(pith_model_notes(next), words), 1);
+    close_model(&m);
     pith_model_destroy(next);
     pith_document_destroy(edited);
 }
@@ -441,6 +483,7 @@ int main(void)
         cmocka_unit_test(test_surfaces_of_files),
         cmocka_unit_test(test_a_hollow_is_no_material),
         cmocka_unit_test(test_detail_lies_over_the_colour),
+        cmocka_unit_test(test_a_variation_that_cannot_be_is_noted),
         cmocka_unit_test(test_bodies_like_others_and_cuts_of_one),
         cmocka_unit_test(test_operations_on_surfaces),
         cmocka_unit_test(test_the_mesh_depends_on_what_bounds_it),

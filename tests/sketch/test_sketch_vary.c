@@ -398,6 +398,7 @@ static void test_varied_folds_are_whole(void **state)
         const pith_sketch *now = pith_varied_sketch_look(varied);
         pith_error err;
         CHECK_OK(pith_sketch_check(now, &err)); /* chambers within their folds, too */
+        assert_true(pith_varied_sketch_strength(varied) > 0.0 && pith_varied_sketch_strength(varied) <= strength);
         for (size_t f = 0; f < FOLDS; ++f) {
             assert_false(curves_cross(loop_of(varied, 0, 0), loop_of(varied, 1, f)));
             assert_true(v2_length(loop_of(varied, 1, f)->points[0]) < 1.0);
@@ -436,10 +437,53 @@ static void test_folds_stay_as_drawn_without_strength(void **state)
         CHECK_NEAR(middle, made.middle[f], 1e-5);
         CHECK_NEAR(radius, made.radius[f], 1e-5);
     }
+    assert_true(pith_varied_sketch_strength(none) == 0.0);
+    assert_true(pith_varied_sketch_strength(slight) == 1e-6);
     pith_varied_sketch_destroy(none);
     pith_varied_sketch_destroy(slight);
     pith_varied_sketch_destroy(a);
     pith_varied_sketch_destroy(b);
+}
+
+/* Chambers that reach over the line of their fold by half of what is forgiven leave no room for others: all folds stay as
+   they were drawn, and the strength says so. */
+static void test_strength_says_what_could_not_be(void **state)
+{
+    (void)state;
+    enum { QUARTERS = 4 };
+    static drawn loops[QUARTERS], vertical;
+    pith_curve curves[QUARTERS];
+    draw_circle(&vertical, 0.5, 0.0, 0.2, 32);
+    for (int f = 0; f < QUARTERS; ++f) {
+        const double size = 1.0 + 0.02 * f * f;
+        const pith_vec2 corners[3] = { v2(0.4, -0.4 * 5e-10), v2(0.7, 0.3), v2(0.3, 0.4) };
+        drawn_begin(&loops[f], true);
+        for (int i = 0; i < 6; ++i) {
+            pith_vec2 p = v2(size * corners[i / 2].x, size * corners[i / 2].y);
+            for (int k = 0; k < f; ++k) p = v2(-p.y, p.x);
+            drawn_add(&loops[f], p.x, p.y);
+        }
+        curves[f] = loops[f].curve;
+    }
+    const pith_feature chambers = { .name = "chambers",
+                                    .kind = PITH_FEATURE_CHAMBERS,
+                                    .vertical = vertical.curve,
+                                    .horizontal = curves,
+                                    .horizontal_count = QUARTERS,
+                                    .across = 48,
+                                    .along = 24 };
+    const pith_sketch sketch = { &chambers, 1, QUARTERS, 0 };
+    for (uint64_t seed = 0; seed < 5; ++seed) {
+        pith_varied_sketch *varied = vary(&sketch, seed, 1.0);
+        assert_true(pith_varied_sketch_strength(varied) == 0.0);
+        for (size_t f = 0; f < QUARTERS; ++f)
+            for (size_t i = 0; i < loop_of(varied, 0, f)->count; ++i) {
+                pith_vec2 outline[4];
+                for (int k = 0; k < 4; ++k) outline[k] = loops[f].points[2 * k % 6];
+                CHECK_NEAR(distance_to_line(loop_of(varied, 0, f)->points[i], outline, 4), 0.0, 1e-3);
+            }
+        pith_varied_sketch_destroy(varied);
+    }
 }
 
 /* ---- parts --------------------------------------------------------------------------------------------------------------------- */
@@ -537,6 +581,7 @@ int main(void)
         cmocka_unit_test(test_like_folds_do_not_vary),
         cmocka_unit_test(test_varied_folds_are_whole),
         cmocka_unit_test(test_folds_stay_as_drawn_without_strength),
+        cmocka_unit_test(test_strength_says_what_could_not_be),
         cmocka_unit_test(test_memory_may_run_out),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
