@@ -193,9 +193,8 @@ static bool answer_side(const pith_diffusion *diffusion, pith_vec3 point, pith_v
     if (at.triangle == PITH_NONE || !(at.distance <= on_sheet)) return false;
     const bool back = pith_dot(diffusion->placed[at.triangle].normal, normal) < 0.0;
     for (int other = 0; other < 2; ++other) {
-        const side_paint *side = &diffusion->sheets.sides[at.triangle][back != other];
-        const paint seen = side->a + (float)at.weights[1] * side->to_b + (float)at.weights[2] * side->to_c;
-        for (int k = 0; k < 4; ++k) colour[k] = seen[k];
+        const paint seen = sheet_colour(diffusion, at.triangle, back != other, at.weights);
+        memcpy(colour, &seen, sizeof seen);
         if (colour[3] > 0.0f) return true;
     }
     memset(colour, 0, 4 * sizeof *colour);

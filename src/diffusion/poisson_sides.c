@@ -160,12 +160,11 @@ static void find_regions(work *w)
 /* ---- colours at walls ------------------------------------------------------------------------------------------------------- */
 
 /* The colour of a side of a sheet at a point of one of its triangles. */
-static paint colour_at(const pith_diffusion *diffusion, uint32_t triangle, int side, pith_vec3 p)
+static paint colour_at(const pith_diffusion *diffusion, uint32_t triangle, bool back, pith_vec3 p)
 {
     double weights[3];
     pith_nearest_on_triangle(diffusion->placed[triangle].corner, p, weights);
-    const side_paint *from = &diffusion->sheets.sides[triangle][side];
-    return from->a + (float)weights[1] * from->to_b + (float)weights[2] * from->to_c;
+    return sheet_colour(diffusion, triangle, back, weights);
 }
 
 static void add_value(work *w, uint32_t fan, uint32_t region, paint colour)
@@ -193,9 +192,9 @@ static void colour_walls(work *w)
         const uint8_t *c = face_corners[i % 4];
         const pith_vec3 *p = w->tets.positions, a = p[v[c[0]]];
         const pith_vec3 outward = pith_cross(pith_sub(p[v[c[1]]], a), pith_sub(p[v[c[2]]], a));
-        const int side = pith_dot(outward, w->diffusion->placed[triangle].normal) > 0.0;
+        const bool back = pith_dot(outward, w->diffusion->placed[triangle].normal) > 0.0;
         for (int k = 0; k < 3; ++k)
-            add_value(w, w->fan[4 * t + c[k]], w->region[t], colour_at(w->diffusion, triangle, side, p[v[c[k]]]));
+            add_value(w, w->fan[4 * t + c[k]], w->region[t], colour_at(w->diffusion, triangle, back, p[v[c[k]]]));
     }
 }
 
