@@ -100,14 +100,24 @@ static void test_what_cannot_be_written(void **state)
     CHECK_FAILS(pith_parts_write(&part, 1, "/nowhere/x.glb", &err), PITH_BAD_ARGUMENT, "which comes first");
     values.name = "two words";
     CHECK_FAILS(pith_parts_write(&part, 1, "/nowhere/x.ply", &err), PITH_BAD_ARGUMENT, "two words");
+    values.name = "diffuse_red"; /* a colour to whoever reads it */
+    CHECK_FAILS(pith_parts_write(&part, 1, "/nowhere/x.ply", &err), PITH_BAD_ARGUMENT, "means something else");
+    values.name = "abcdefghijklmnopqrstuvwxyz012345";
+    CHECK_FAILS(pith_parts_write(&part, 1, "/nowhere/x.ply", &err), PITH_BAD_ARGUMENT, "more than 31 letters");
+    const pith_part_values twice[2] = { { "_HEAT", 1, PITH_PART_FLOAT, one }, { "_HEAT", 1, PITH_PART_FLOAT, one } };
+    part.values = twice, part.value_count = 2;
+    CHECK_FAILS(pith_parts_write(&part, 1, "/nowhere/x.glb", &err), PITH_BAD_ARGUMENT, "two arrays");
+    part.values = &values, part.value_count = 1;
     values = (pith_part_values){ "_PAIR", 2, PITH_PART_FLOAT, two };
     CHECK_FAILS(pith_parts_write(&part, 1, "/nowhere/x.ply", &err), PITH_BAD_ARGUMENT, "single floats");
     values.type = PITH_PART_WHOLE;
     CHECK_FAILS(pith_parts_write(&part, 1, "/nowhere/x.glb", &err), PITH_BAD_ARGUMENT, "one to four floats");
     part.value_count = 0;
-    const char *const mark[1] = { "a b" };
+    const char *mark[1] = { "a b" };
     part.marks = mark, part.mark_count = 1;
     CHECK_FAILS(pith_parts_write(&part, 1, "/nowhere/x.glb", &err), PITH_BAD_ARGUMENT, "no mark");
+    mark[0] = "name"; /* a PLY would give the mesh an empty name */
+    CHECK_FAILS(pith_parts_write(&part, 1, "/nowhere/x.ply", &err), PITH_BAD_ARGUMENT, "no mark");
     part.mark_count = 0;
     CHECK_FAILS(pith_parts_write(&part, 1, "/nowhere/x.glb", &err), PITH_IO, "/nowhere");
     part.mesh.triangle_count = 0;
