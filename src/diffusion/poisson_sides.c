@@ -8,14 +8,14 @@
 /* Corners of the face opposite corner k, counter-clockwise seen from outside. */
 static const uint8_t face_corners[4][3] = { { 1, 2, 3 }, { 0, 3, 2 }, { 0, 1, 3 }, { 0, 2, 1 } };
 
-enum { NO_WALL = -1, BALL_WALL = -2 };
+#define NO_WALL   PITH_NONE
+#define BALL_WALL (PITH_NONE - 1)
 
 typedef struct work {
     const pith_diffusion *diffusion;
     const facets *all;
     pith_tets_view tets;
-    int64_t *
-        wall; /* [4 * tet_count] the sheets' triangle that the face opposite each corner lies on, or one of the above */
+    uint32_t *wall;    /* [4 * tet_count] the sheets' triangle that the face opposite a corner lies on, or the above */
     uint32_t *fan;     /* [4 * tet_count] union-find over corners, then the number of the fan */
     uint32_t *region;  /* [tet_count] */
     uint32_t *queue;   /* [tet_count] */
@@ -90,8 +90,8 @@ static pith_status find_walls(work *w, const pith_conforming *filled, pith_error
         uint32_t key[3] = { v[c[0]], v[c[1]], v[c[2]] };
         sort_three(key);
         const uint32_t facet = table.facet[face_slot(&table, key)];
-        w->wall[i] = NO_WALL;
-        if (facet) w->wall[i] = w->all->source[facet - 1] == PITH_NONE ? BALL_WALL : (int64_t)w->all->source[facet - 1];
+        const uint32_t source = facet ? w->all->source[facet - 1] : PITH_NONE;
+        w->wall[i] = !facet ? NO_WALL : source == PITH_NONE ? BALL_WALL : source;
     }
     pith_free(table.key);
     pith_free(table.facet);
@@ -187,8 +187,8 @@ static void add_value(work *w, uint32_t fan, uint32_t region, paint colour)
 static void colour_walls(work *w)
 {
     for (uint32_t i = 0; i < 4 * w->tets.tet_count; ++i) {
-        if (w->wall[i] < 0) continue;
-        const uint32_t triangle = (uint32_t)w->wall[i], t = i / 4, *v = w->tets.tets[t];
+        if (w->wall[i] == NO_WALL || w->wall[i] == BALL_WALL) continue;
+        const uint32_t triangle = w->wall[i], t = i / 4, *v = w->tets.tets[t];
         const uint8_t *c = face_corners[i % 4];
         const pith_vec3 *p = w->tets.positions, a = p[v[c[0]]];
         const pith_vec3 outward = pith_cross(pith_sub(p[v[c[1]]], a), pith_sub(p[v[c[2]]], a));
