@@ -5,9 +5,6 @@
 
 #include <string.h>
 
-/* Corners of the face opposite corner k, counter-clockwise seen from outside. */
-static const uint8_t face_corners[4][3] = { { 1, 2, 3 }, { 0, 3, 2 }, { 0, 1, 3 }, { 0, 2, 1 } };
-
 #define NO_WALL   PITH_NONE
 #define BALL_WALL (PITH_NONE - 1)
 
@@ -86,7 +83,7 @@ static pith_status find_walls(work *w, const pith_conforming *filled, pith_error
     }
     for (size_t i = 0; made && i < 4 * (size_t)w->tets.tet_count; ++i) {
         const uint32_t *v = w->tets.tets[i / 4];
-        const uint8_t *c = face_corners[i % 4];
+        const uint8_t *c = pith_tet_faces[i % 4];
         uint32_t key[3] = { v[c[0]], v[c[1]], v[c[2]] };
         sort_three(key);
         const uint32_t facet = table.facet[face_slot(&table, key)];
@@ -189,7 +186,7 @@ static void colour_walls(work *w)
     for (uint32_t i = 0; i < 4 * w->tets.tet_count; ++i) {
         if (w->wall[i] == NO_WALL || w->wall[i] == BALL_WALL) continue;
         const uint32_t triangle = w->wall[i], t = i / 4, *v = w->tets.tets[t];
-        const uint8_t *c = face_corners[i % 4];
+        const uint8_t *c = pith_tet_faces[i % 4];
         const pith_vec3 *p = w->tets.positions, a = p[v[c[0]]];
         const pith_vec3 outward = pith_cross(pith_sub(p[v[c[1]]], a), pith_sub(p[v[c[2]]], a));
         const bool back = pith_dot(outward, w->diffusion->placed[triangle].normal) > 0.0;
@@ -255,7 +252,8 @@ static void keep(const work *w, uint32_t *number, sided *made)
         }
         for (uint32_t k = 0; k < 4; ++k) {
             if (w->wall[4 * (size_t)t + k] != BALL_WALL) continue;
-            for (int c = 0; c < 3; ++c) made->rim[made->rim_count][c] = made->tets[made->tet_count][face_corners[k][c]];
+            for (int c = 0; c < 3; ++c)
+                made->rim[made->rim_count][c] = made->tets[made->tet_count][pith_tet_faces[k][c]];
             ++made->rim_count;
         }
         made->region[made->tet_count++] = w->region[t];
