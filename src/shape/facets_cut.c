@@ -324,14 +324,7 @@ static pith_vec3 place_on_edge(const cutting *c, const end_place *end)
     return pith_lerp(a, b, facets_place_along(a, b, inside));
 }
 
-static uint64_t spread(uint64_t bits)
-{
-    bits = (bits | bits << 32) & 0x1f00000000ffffu;
-    bits = (bits | bits << 16) & 0x1f0000ff0000ffu;
-    bits = (bits | bits << 8) & 0x100f00f00f00f00fu;
-    bits = (bits | bits << 4) & 0x10c30c30c30c30c3u;
-    return (bits | bits << 2) & 0x1249249249249249u;
-}
+static uint64_t cell_of(double coordinate) { return (uint64_t)fmin(fmax(coordinate, 0.0), 65535.0); }
 
 static void find_places(cutting *c)
 {
@@ -344,9 +337,7 @@ static void find_places(cutting *c)
         if (end->at.facet_edge)
             end->along = facets_place_along(c->f->positions[end->at.low], c->f->positions[end->at.high], end->point);
         const pith_vec3 p = pith_scale(pith_sub(end->point, box.low), scale);
-        end->order = spread((uint64_t)fmin(fmax(p.x, 0.0), 65535.0)) |
-                     spread((uint64_t)fmin(fmax(p.y, 0.0), 65535.0)) << 1 |
-                     spread((uint64_t)fmin(fmax(p.z, 0.0), 65535.0)) << 2;
+        end->order = pith_morton(cell_of(p.x), cell_of(p.y), cell_of(p.z));
     }
 }
 
