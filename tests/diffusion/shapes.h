@@ -7,6 +7,8 @@
 
 static pith_error err;
 
+static const double red[4] = { 1, 0, 0, 1 }, blue[4] = { 0, 0, 1, 1 };
+
 typedef void colour_at(pith_vec3 p, const double *with, float colour[4]);
 
 /* A mesh with room for the colours and the blur of its vertices. */
@@ -43,6 +45,12 @@ static inline void plain_colour(pith_vec3 p, const double *with, float colour[4]
 {
     (void)p;
     for (int k = 0; k < 4; ++k) colour[k] = (float)with[k];
+}
+
+static inline void paint_sides(const shape *to, const double front[4], const double back[4])
+{
+    shape_paint(to, to->front, plain_colour, front);
+    shape_paint(to, to->back, plain_colour, back);
 }
 
 static inline pith_diffusion_surface shape_surface(const shape *from)

@@ -3,14 +3,6 @@
 
 #include "diffusion_internal.h"
 
-static const double red[4] = { 1, 0, 0, 1 }, blue[4] = { 0, 0, 1, 1 };
-
-static void paint_sides(const shape *to, const double front[4], const double back[4])
-{
-    shape_paint(to, to->front, plain_colour, front);
-    shape_paint(to, to->back, plain_colour, back);
-}
-
 static void check_colour(const float colour[4], double r, double g, double b, double opacity, double tolerance)
 {
     CHECK_NEAR(colour[0], r, tolerance);
