@@ -519,11 +519,11 @@ static void test_surfaces_may_share_vertices(void **state)
     const pith_vec3 left[3] = { { 0, 0, 0 }, { 0, 1, 0 }, { -1, 0, 0.5 } },
                     right[3] = { { 0, 0, 0 }, { 0, 1, 0 }, { 1, 0, 0.5 } };
     const uint32_t one[1][3] = { { 0, 1, 2 } };
-    const float red[3][4] = { { 1, 0, 0, 1 }, { 1, 0, 0, 1 }, { 1, 0, 0, 1 } },
-                blue[3][4] = { { 0, 0, 1, 1 }, { 0, 0, 1, 1 }, { 0, 0, 1, 1 } };
+    const float reds[3][4] = { { 1, 0, 0, 1 }, { 1, 0, 0, 1 }, { 1, 0, 0, 1 } },
+                blues[3][4] = { { 0, 0, 1, 1 }, { 0, 0, 1, 1 }, { 0, 0, 1, 1 } };
     const pith_diffusion_surface both[2] = {
-        { .mesh = { .positions = left, .triangles = one, .vertex_count = 3, .triangle_count = 1 }, .front = red },
-        { .mesh = { .positions = right, .triangles = one, .vertex_count = 3, .triangle_count = 1 }, .front = blue },
+        { .mesh = { .positions = left, .triangles = one, .vertex_count = 3, .triangle_count = 1 }, .front = reds },
+        { .mesh = { .positions = right, .triangles = one, .vertex_count = 3, .triangle_count = 1 }, .front = blues },
     };
     pith_diffusion *diffusion = prepared(both, 2, 0.15);
     const pith_vec3 points[4] = {
