@@ -41,8 +41,8 @@ static void free_questions(questions *gone)
 
 /* ---- measuring ----------------------------------------------------------------------------------------------------------- */
 
-static double time_once(const bench_object *of, const pith_diffusion_options *how, const pith_vec3 *points, size_t count,
-                        const questions *with, pith_status *status, pith_error *err)
+static double time_once(const bench_object *of, const pith_diffusion_options *how, const pith_vec3 *points,
+                        size_t count, const questions *with, pith_status *status, pith_error *err)
 {
     const double begin = pith_seconds();
     *status = pith_diffusion_colours(of->diffusion, how, points, count, with->colours, err);
@@ -67,8 +67,8 @@ static pith_status measure_error(const bench_object *of, const pith_diffusion_op
     return PITH_OK;
 }
 
-static pith_status run_method(const bench_object *of, uint32_t method, const questions *with, int repeats, json_t *cases,
-                              pith_error *err)
+static pith_status run_method(const bench_object *of, uint32_t method, const questions *with, int repeats,
+                              json_t *cases, pith_error *err)
 {
     const bool by_rays = method == PITH_DIFFUSION_PMVC;
     const size_t checked = by_rays ? CHECKED_BY_RAYS : CHECKED_BY_WALKS;
@@ -107,7 +107,8 @@ static pith_status run_method(const bench_object *of, uint32_t method, const que
     return PITH_OK;
 }
 
-static pith_status compare_methods(const char *name, bench_make_object *make, int repeats, json_t *cases, pith_error *err)
+static pith_status compare_methods(const char *name, bench_make_object *make, int repeats, json_t *cases,
+                                   pith_error *err)
 {
     questions with;
     bench_object of = { .name = name };

@@ -153,8 +153,7 @@ static pith_status run_alone(const comparison *what, int m, section *on, json_t 
 {
     bench_object of = { .name = what->name };
     bench_reset_peak();
-    pith_status status = what->make(&of, what->detail, err);
-    if (status == PITH_OK) status = pith_diffusion_create(of.surfaces, of.count, &of.diffusion, err);
+    pith_status status = bench_object_create(&of, what->make, what->detail, err);
     if (status == PITH_OK) status = run_method(what, &of, m, on, row, err);
     json_object_set_new(row, "peak_memory_bytes", json_real(bench_peak()));
     json_object_set_new(row, "mesher_peak_so_far_bytes",
@@ -172,8 +171,7 @@ static pith_status walk_without_end(const comparison *what, section *on, pith_er
     options.walks = CHECKED_WALKS;
     options.shell = 1e-5;
     options.seed = 99;
-    pith_status status = what->make(&of, what->detail, err);
-    if (status == PITH_OK) status = pith_diffusion_create(of.surfaces, of.count, &of.diffusion, err);
+    pith_status status = bench_object_create(&of, what->make, what->detail, err);
     if (status == PITH_OK)
         status = pith_diffusion_colours(of.diffusion, &options, on->checked, CHECKED, on->expected, err);
     bench_object_free(&of);

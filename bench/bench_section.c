@@ -99,6 +99,14 @@ static distance measure(const pixels *of)
     return d;
 }
 
+static void add_distance(json_t *to, const pixels *of)
+{
+    const distance d = measure(of);
+    json_object_set_new(to, "rms_error", json_real(d.rms));
+    json_object_set_new(to, "rms_error_srgb", json_real(d.rms_srgb));
+    json_object_set_new(to, "largest_error_srgb", json_real(d.largest_srgb));
+}
+
 /* ---- cutting surfaces ------------------------------------------------------------------------------------------------------ */
 
 /* A disc of 3384 triangles, flat or wavy. */
@@ -130,8 +138,8 @@ static void make_disc(double wave, disc *made)
 
 /* ---- runs -------------------------------------------------------------------------------------------------------------------- */
 
-static pith_status time_section(const bench_object *of, const pith_diffusion_section_options *options,
-                                uint32_t rays, const pith_mesh_view *cutting, int repeats, bench_times *times,
+static pith_status time_section(const bench_object *of, const pith_diffusion_section_options *options, uint32_t rays,
+                                const pith_mesh_view *cutting, int repeats, bench_times *times,
                                 pith_diffusion_section **last, pith_error *err)
 {
     pith_diffusion_options how = pith_diffusion_options_default();
@@ -167,10 +175,7 @@ static pith_status run_section(const char *name, const bench_object *of, double 
             "section_median_s", bench_median(&times), "cut_s", bench_min(&bare));
         if (compared) {
             sample_mesh(&view, compared);
-            const distance d = measure(compared);
-            json_object_set_new(made, "rms_error", json_real(d.rms));
-            json_object_set_new(made, "rms_error_srgb", json_real(d.rms_srgb));
-            json_object_set_new(made, "largest_error_srgb", json_real(d.largest_srgb));
+            add_distance(made, compared);
         }
         json_array_append_new(cases, made);
     }
@@ -208,12 +213,7 @@ static pith_status run_pixels(const bench_object *of, int side, pixels *compared
         json_t *made =
             json_pack("{ss si si sf}", "name", name, "triangles", (int)pith_diffusion_triangles(of->diffusion),
                       "asked_points", (int)count, "picture_s", bench_min(&times));
-        if (compared) {
-            const distance d = measure(compared);
-            json_object_set_new(made, "rms_error", json_real(d.rms));
-            json_object_set_new(made, "rms_error_srgb", json_real(d.rms_srgb));
-            json_object_set_new(made, "largest_error_srgb", json_real(d.largest_srgb));
-        }
+        if (compared) add_distance(made, compared);
         json_array_append_new(cases, made);
     }
     pith_free(points);

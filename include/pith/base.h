@@ -137,6 +137,10 @@ static inline void pith_box_add(pith_box *box, pith_vec3 p)
 }
 /** Box of count points; empty for count 0. */
 pith_box pith_box_of(const pith_vec3 *points, size_t count);
+/** The place of a cell along a curve that fills space and keeps neighbours near each other: the low 21 bits of its
+ *  numbers, taken in turn. Morton, "A Computer Oriented Geodetic Data Base and a New Technique in File Sequencing", IBM,
+ *  1966. */
+uint64_t pith_morton(uint64_t x, uint64_t y, uint64_t z);
 
 /* ---- colour ---------------------------------------------------------------------------------------------------- */
 

@@ -272,6 +272,9 @@ typedef struct pith_tets_view {
     uint32_t vertex_count, tet_count;
 } pith_tets_view;
 
+/** Corners of the face opposite corner k, counter-clockwise seen from outside a positive tetrahedron. */
+static const uint8_t pith_tet_faces[4][3] = { { 1, 2, 3 }, { 0, 3, 2 }, { 0, 1, 3 }, { 0, 2, 1 } };
+
 /** Copies vertices and tets (neighbours in `from` is ignored), turns negative ones, builds adjacency.
  *  PITH_BAD_MESH: index out of range, not finite, zero volume, a face in more than two tets, or two tets on the same
  *  side of a face. O(n). */

@@ -42,3 +42,16 @@ pith_box pith_box_of(const pith_vec3 *points, size_t count)
     for (size_t i = 0; i < count; ++i) pith_box_add(&box, points[i]);
     return box;
 }
+
+/* The low 21 bits of v with two zeros between each. */
+static uint64_t spread(uint64_t v)
+{
+    v &= 0x1fffff;
+    v = (v | v << 32) & UINT64_C(0x001f00000000ffff);
+    v = (v | v << 16) & UINT64_C(0x001f0000ff0000ff);
+    v = (v | v << 8) & UINT64_C(0x100f00f00f00f00f);
+    v = (v | v << 4) & UINT64_C(0x10c30c30c30c30c3);
+    return (v | v << 2) & UINT64_C(0x1249249249249249);
+}
+
+uint64_t pith_morton(uint64_t x, uint64_t y, uint64_t z) { return spread(x) | spread(y) << 1 | spread(z) << 2; }

@@ -37,7 +37,7 @@ typedef struct faces {
 
 static void face_corners(const pith_part *part, uint32_t tet, unsigned k, uint32_t v[3])
 {
-    for (int i = 0; i < 3; ++i) v[i] = part->tets[tet][cut_face_corners[k][i]];
+    for (int i = 0; i < 3; ++i) v[i] = part->tets[tet][pith_tet_faces[k][i]];
     for (int pass = 0; pass < 2; ++pass)
         for (int i = 0; i < 2; ++i)
             if (v[i] > v[i + 1]) { const uint32_t swap = v[i]; v[i] = v[i + 1]; v[i + 1] = swap; }

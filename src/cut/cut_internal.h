@@ -34,9 +34,6 @@ struct pith_shell {
     uint32_t vertex_count, triangle_count;
 };
 
-/* Corners of the face opposite corner k, counter-clockwise seen from outside a tet of positive volume. */
-extern const uint8_t cut_face_corners[4][3];
-
 /* 0: between two tets; 1 + pith_face_kind: on the boundary. */
 static inline unsigned cut_face_code(uint8_t faces, unsigned k) { return (faces >> (2 * k)) & 3u; }
 static inline uint8_t cut_face_bits(unsigned code, unsigned k) { return (uint8_t)(code << (2 * k)); }

@@ -19,10 +19,10 @@ pith_status cut_origin_guides(const pith_tets_view *view, pith_vec3 *guides, pit
         for (unsigned face = 0; face < 4; ++face) {
             if (view->neighbours[t][face] != PITH_NONE) continue;
             pith_vec3 p[3];
-            for (int k = 0; k < 3; ++k) p[k] = view->positions[view->tets[t][cut_face_corners[face][k]]];
+            for (int k = 0; k < 3; ++k) p[k] = view->positions[view->tets[t][pith_tet_faces[face][k]]];
             const pith_vec3 normal = pith_unit(pith_cross(pith_sub(p[1], p[0]), pith_sub(p[2], p[0])));
             for (int k = 0; k < 3; ++k) {
-                const uint32_t v = view->tets[t][cut_face_corners[face][k]];
+                const uint32_t v = view->tets[t][pith_tet_faces[face][k]];
                 const double angle = angle_between(pith_sub(p[(k + 1) % 3], p[k]), pith_sub(p[(k + 2) % 3], p[k]));
                 guides[v] = pith_madd(guides[v], normal, angle);
                 angles[v] += angle;

@@ -130,7 +130,7 @@ pith_status cut_march_section(cut_march *march, uint32_t tet, cut_polygon *polyg
         const uint8_t k = single == 1 ? 0 : single == 2 ? 1 : single == 4 ? 2 : 3;
         for (unsigned i = 0; i < 3; ++i) {
             edge[i][0] = k;
-            edge[i][1] = cut_face_corners[k][count == 1 ? i : 2 - i];
+            edge[i][1] = pith_tet_faces[k][count == 1 ? i : 2 - i];
         }
         edges = 3;
     }
@@ -147,7 +147,7 @@ pith_status cut_march_clip(cut_march *march, uint32_t tet, unsigned k, unsigned 
                            pith_error *err)
 {
     const int out = side == CUT_NEGATIVE ? 1 : -1; /* the sign that is cut away */
-    const uint8_t *c = cut_face_corners[k];
+    const uint8_t *c = pith_tet_faces[k];
     polygon->count = 0;
     for (unsigned i = 0; i < 3; ++i) {
         const uint32_t a = march->part->tets[tet][c[i]], b = march->part->tets[tet][c[(i + 1) % 3]];
@@ -290,7 +290,7 @@ static pith_status gather_zero_sides(const cut_march *march, zero_side **sides, 
         cut_tet_signs(march, tet, s);
         if (cut_zeros(s) < 3) continue;
         for (unsigned k = 0; k < 4; ++k) {
-            const uint8_t *c = cut_face_corners[k];
+            const uint8_t *c = pith_tet_faces[k];
             if (s[c[0]] || s[c[1]] || s[c[2]] || cut_face_code(part->faces[tet], k)) continue;
             if (!pith_grow((void **)sides, &capacity, *count + 1, sizeof **sides))
                 return PITH_OUT_OF_MEMORY(err, "faces in the cut");
@@ -380,7 +380,7 @@ static pith_status add_polygon(cut_soup *soup, const cut_polygon *polygon, bool 
 
 static void whole_face(const pith_part *part, uint32_t tet, unsigned k, cut_polygon *polygon)
 {
-    for (int i = 0; i < 3; ++i) polygon->v[i] = part->tets[tet][cut_face_corners[k][i]];
+    for (int i = 0; i < 3; ++i) polygon->v[i] = part->tets[tet][pith_tet_faces[k][i]];
     polygon->count = 3;
 }
 

@@ -3,8 +3,6 @@
 
 #include <string.h>
 
-const uint8_t cut_face_corners[4][3] = { { 1, 2, 3 }, { 0, 3, 2 }, { 0, 1, 3 }, { 0, 2, 1 } };
-
 /* ---- the common origin ------------------------------------------------------------------------------------------ */
 
 static cut_origin *origin_share(cut_origin *origin)
@@ -267,7 +265,7 @@ pith_status pith_part_shell(const pith_part *part, pith_shell **shell, pith_erro
         for (unsigned k = 0; part->faces[t] && k < 4; ++k) {
             const unsigned code = cut_face_code(part->faces[t], k);
             if (!code) continue;
-            const uint8_t *c = cut_face_corners[k];
+            const uint8_t *c = pith_tet_faces[k];
             const uint32_t *v = part->tets[t];
             const cut_triangle face = { { v[c[0]], v[c[1]], v[c[2]] }, part->source_tet[t], (uint8_t)(code - 1) };
             PITH_TRY_OR(done, cut_soup_add(&soup, &face, err));

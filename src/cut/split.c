@@ -72,7 +72,7 @@ static pith_status cone_cell(const cell *c, uint32_t tet, pieces *list, pith_err
         for (uint32_t j = 1; j + 1 < n; ++j) {
             piece p = { { apex, face->v[first], face->v[(first + j) % n], face->v[(first + j + 1) % n] }, tet, 0 };
             for (unsigned k = 0; k < 4; ++k) {
-                const uint8_t *f = cut_face_corners[k];
+                const uint8_t *f = pith_tet_faces[k];
                 p.faces |= cut_face_bits(code_of(c, p.v[f[0]], p.v[f[1]], p.v[f[2]]), k);
             }
             PITH_TRY(add_piece(list, &p, err));

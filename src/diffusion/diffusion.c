@@ -102,15 +102,7 @@ typedef struct place {
     uint32_t key, point;
 } place;
 
-/* Ten bits with two free places between each. */
-static uint32_t spread(uint32_t bits)
-{
-    bits = (bits | bits << 16) & 0x030000ffu;
-    bits = (bits | bits << 8) & 0x0300f00fu;
-    bits = (bits | bits << 4) & 0x030c30c3u;
-    return (bits | bits << 2) & 0x09249249u;
-}
-
+/* Ten bits, so that a place needs no more than eight bytes. */
 static uint32_t cell_of(double coordinate)
 {
     return (uint32_t)fmin(fmax(512.0 * (coordinate + 1.0), 0.0), 1023.0); /* NaN becomes 0 */
@@ -123,13 +115,12 @@ static int by_key(const void *a, const void *b)
     return x->point < y->point ? -1 : x->point > y->point;
 }
 
-/* Along a curve that fills space (Morton 1966), so that points near each other come one after the other. */
+/* Along a curve that fills space, so that points near each other come one after the other. */
 static void order_points(const pith_diffusion *diffusion, const pith_vec3 *points, size_t count, place *places)
 {
     for (size_t i = 0; i < count; ++i) {
         const pith_vec3 p = diffusion_to_scene(diffusion, points[i]);
-        const uint32_t key = spread(cell_of(p.x)) | spread(cell_of(p.y)) << 1 | spread(cell_of(p.z)) << 2;
-        places[i] = (place){ key, (uint32_t)i };
+        places[i] = (place){ (uint32_t)pith_morton(cell_of(p.x), cell_of(p.y), cell_of(p.z)), (uint32_t)i };
     }
     qsort(places, count, sizeof *places, by_key);
 }
@@ -193,9 +184,8 @@ static bool answer_side(const pith_diffusion *diffusion, pith_vec3 point, pith_v
     if (at.triangle == PITH_NONE || !(at.distance <= on_sheet)) return false;
     const bool back = pith_dot(diffusion->placed[at.triangle].normal, normal) < 0.0;
     for (int other = 0; other < 2; ++other) {
-        const side_paint *side = &diffusion->sheets.sides[at.triangle][back != other];
-        const paint seen = side->a + (float)at.weights[1] * side->to_b + (float)at.weights[2] * side->to_c;
-        for (int k = 0; k < 4; ++k) colour[k] = seen[k];
+        const paint seen = sheet_colour(diffusion, at.triangle, back != other, at.weights);
+        memcpy(colour, &seen, sizeof seen);
         if (colour[3] > 0.0f) return true;
     }
     memset(colour, 0, 4 * sizeof *colour);

@@ -76,6 +76,9 @@ static inline pith_vec3 diffusion_to_scene(const pith_diffusion *diffusion, pith
 /* Finite and near enough to be answered; scene coordinates. */
 static inline bool diffusion_reaches(pith_vec3 p) { return pith_dot(p, p) <= FARTHEST * FARTHEST; }
 
+/* The number of the surface that a triangle of the sheets comes from. */
+uint32_t scene_surface_of(const pith_diffusion *diffusion, uint32_t triangle);
+
 /* The nearest point of the sheets, scene units. */
 typedef struct nearest_sheet {
     double distance;
@@ -127,8 +130,7 @@ typedef struct asker {
 
 enum { PACKET = 8 };
 
-/* Answers points[order[0 .. count)] into colours at the same places. Allocates
-   nothing. */
+/* Answers points[order[0 .. count)] into colours at the same places. Allocates nothing. */
 void pmvc_answer(const asker *with, const pith_vec3 *points, const uint32_t *order, size_t count, float (*colours)[4]);
 void poisson_answer(const asker *with, const pith_vec3 *points, const uint32_t *order, size_t count,
                     float (*colours)[4]);

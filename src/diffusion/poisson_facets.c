@@ -44,9 +44,7 @@ static pith_status add_places(const pith_diffusion *diffusion, facets *made, uin
 /* The title of the surface that a triangle of the sheets is from. */
 static const char *title_of(const pith_diffusion *diffusion, uint32_t triangle)
 {
-    size_t i = 0;
-    while (i + 1 < diffusion->surface_count && diffusion->surfaces[i + 1].first_triangle <= triangle) ++i;
-    return diffusion->surfaces[i].title;
+    return diffusion->surfaces[scene_surface_of(diffusion, triangle)].title;
 }
 
 static pith_vec3 to_model(const pith_diffusion *diffusion, pith_vec3 p)

@@ -5,17 +5,14 @@
 
 #include <string.h>
 
-/* Corners of the face opposite corner k, counter-clockwise seen from outside. */
-static const uint8_t face_corners[4][3] = { { 1, 2, 3 }, { 0, 3, 2 }, { 0, 1, 3 }, { 0, 2, 1 } };
-
-enum { NO_WALL = -1, BALL_WALL = -2 };
+#define NO_WALL   PITH_NONE
+#define BALL_WALL (PITH_NONE - 1)
 
 typedef struct work {
     const pith_diffusion *diffusion;
     const facets *all;
     pith_tets_view tets;
-    int64_t *
-        wall; /* [4 * tet_count] the sheets' triangle that the face opposite each corner lies on, or one of the above */
+    uint32_t *wall;    /* [4 * tet_count] the sheets' triangle that the face opposite a corner lies on, or the above */
     uint32_t *fan;     /* [4 * tet_count] union-find over corners, then the number of the fan */
     uint32_t *region;  /* [tet_count] */
     uint32_t *queue;   /* [tet_count] */
@@ -86,12 +83,12 @@ static pith_status find_walls(work *w, const pith_conforming *filled, pith_error
     }
     for (size_t i = 0; made && i < 4 * (size_t)w->tets.tet_count; ++i) {
         const uint32_t *v = w->tets.tets[i / 4];
-        const uint8_t *c = face_corners[i % 4];
+        const uint8_t *c = pith_tet_faces[i % 4];
         uint32_t key[3] = { v[c[0]], v[c[1]], v[c[2]] };
         sort_three(key);
         const uint32_t facet = table.facet[face_slot(&table, key)];
-        w->wall[i] = NO_WALL;
-        if (facet) w->wall[i] = w->all->source[facet - 1] == PITH_NONE ? BALL_WALL : (int64_t)w->all->source[facet - 1];
+        const uint32_t source = facet ? w->all->source[facet - 1] : PITH_NONE;
+        w->wall[i] = !facet ? NO_WALL : source == PITH_NONE ? BALL_WALL : source;
     }
     pith_free(table.key);
     pith_free(table.facet);
@@ -160,12 +157,11 @@ static void find_regions(work *w)
 /* ---- colours at walls ------------------------------------------------------------------------------------------------------- */
 
 /* The colour of a side of a sheet at a point of one of its triangles. */
-static paint colour_at(const pith_diffusion *diffusion, uint32_t triangle, int side, pith_vec3 p)
+static paint colour_at(const pith_diffusion *diffusion, uint32_t triangle, bool back, pith_vec3 p)
 {
     double weights[3];
     pith_nearest_on_triangle(diffusion->placed[triangle].corner, p, weights);
-    const side_paint *from = &diffusion->sheets.sides[triangle][side];
-    return from->a + (float)weights[1] * from->to_b + (float)weights[2] * from->to_c;
+    return sheet_colour(diffusion, triangle, back, weights);
 }
 
 static void add_value(work *w, uint32_t fan, uint32_t region, paint colour)
@@ -188,14 +184,14 @@ static void add_value(work *w, uint32_t fan, uint32_t region, paint colour)
 static void colour_walls(work *w)
 {
     for (uint32_t i = 0; i < 4 * w->tets.tet_count; ++i) {
-        if (w->wall[i] < 0) continue;
-        const uint32_t triangle = (uint32_t)w->wall[i], t = i / 4, *v = w->tets.tets[t];
-        const uint8_t *c = face_corners[i % 4];
+        if (w->wall[i] == NO_WALL || w->wall[i] == BALL_WALL) continue;
+        const uint32_t triangle = w->wall[i], t = i / 4, *v = w->tets.tets[t];
+        const uint8_t *c = pith_tet_faces[i % 4];
         const pith_vec3 *p = w->tets.positions, a = p[v[c[0]]];
         const pith_vec3 outward = pith_cross(pith_sub(p[v[c[1]]], a), pith_sub(p[v[c[2]]], a));
-        const int side = pith_dot(outward, w->diffusion->placed[triangle].normal) > 0.0;
+        const bool back = pith_dot(outward, w->diffusion->placed[triangle].normal) > 0.0;
         for (int k = 0; k < 3; ++k)
-            add_value(w, w->fan[4 * t + c[k]], w->region[t], colour_at(w->diffusion, triangle, side, p[v[c[k]]]));
+            add_value(w, w->fan[4 * t + c[k]], w->region[t], colour_at(w->diffusion, triangle, back, p[v[c[k]]]));
     }
 }
 
@@ -256,7 +252,8 @@ static void keep(const work *w, uint32_t *number, sided *made)
         }
         for (uint32_t k = 0; k < 4; ++k) {
             if (w->wall[4 * (size_t)t + k] != BALL_WALL) continue;
-            for (int c = 0; c < 3; ++c) made->rim[made->rim_count][c] = made->tets[made->tet_count][face_corners[k][c]];
+            for (int c = 0; c < 3; ++c)
+                made->rim[made->rim_count][c] = made->tets[made->tet_count][pith_tet_faces[k][c]];
             ++made->rim_count;
         }
         made->region[made->tet_count++] = w->region[t];

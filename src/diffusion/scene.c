@@ -131,6 +131,16 @@ void pith_diffusion_destroy(pith_diffusion *diffusion)
 
 uint32_t pith_diffusion_triangles(const pith_diffusion *diffusion) { return diffusion->sheets.triangle_count; }
 
+uint32_t scene_surface_of(const pith_diffusion *diffusion, uint32_t triangle)
+{
+    uint32_t low = 0, high = (uint32_t)diffusion->surface_count;
+    while (high - low > 1) {
+        const uint32_t middle = low + (high - low) / 2;
+        *(diffusion->surfaces[middle].first_triangle <= triangle ? &low : &high) = middle;
+    }
+    return low;
+}
+
 /* ---- nearest ----------------------------------------------------------------------------------------------------------- */
 
 #define SCENE_SLACK 1e-6f /* more than what rounding to float can hide, within a few radii of the scene */

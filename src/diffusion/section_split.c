@@ -69,16 +69,6 @@ static bool stands_for_segment(const splitting *s, uint32_t h)
     return mark % 2 == 0;
 }
 
-static uint32_t surface_of(const pith_diffusion *diffusion, uint32_t triangle)
-{
-    uint32_t low = 0, high = (uint32_t)diffusion->surface_count;
-    while (high - low > 1) {
-        const uint32_t middle = low + (high - low) / 2;
-        *(diffusion->surfaces[middle].first_triangle <= triangle ? &low : &high) = middle;
-    }
-    return low;
-}
-
 static void fill(const splitting *s, pith_diffusion_section *section)
 {
     uint32_t triangle = 0, segment = 0;
@@ -94,7 +84,7 @@ static void fill(const splitting *s, pith_diffusion_section *section)
             const uint32_t mark = mark_of(&s->view, h), next = s->index[s->corner[next_of(h)]];
             section->segments[segment][mark % 2] = to;
             section->segments[segment][1 - mark % 2] = next;
-            section->segment_surfaces[segment++] = surface_of(s->work->diffusion, mark / 2);
+            section->segment_surfaces[segment++] = scene_surface_of(s->work->diffusion, mark / 2);
         }
         ++triangle;
     }

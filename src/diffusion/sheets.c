@@ -355,6 +355,7 @@ static pith_status add_sheets(sheets *all, piece *own, pith_error *err)
                          triangles);
     if (!make_room(all, vertices, triangles)) return PITH_OUT_OF_MEMORY(err, "the sheets of a diffusion surface");
     for (uint32_t v = 0; v < own->view.vertex_count; ++v) {
+        if (own->start[v] == own->start[v + 1]) continue; /* no triangle uses it */
         own->on[v][0] = own->on[v][1] = add_vertex(all, own, v, own->blur[v]);
         if (own->blur[v] > 0.0) own->on[v][1] = add_vertex(all, own, v, -own->blur[v]);
     }

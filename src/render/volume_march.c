@@ -62,9 +62,6 @@ static inline double edge_side(const volume_body *body, uint32_t a, uint32_t b, 
 
 /* ---- entering --------------------------------------------------------------------------------------------------- */
 
-/* Corners of the face opposite corner k, counter-clockwise seen from outside. */
-static const uint8_t face_corners[4][3] = { { 1, 2, 3 }, { 0, 3, 2 }, { 0, 1, 3 }, { 0, 2, 1 } };
-
 /* Columns or rows of the tile that a face may cover, from its corners' places seen from the eye. */
 static void cover(const double at[3], const double z[3], const double *lines, uint32_t count, uint32_t *first,
                   uint32_t *end)
@@ -93,7 +90,7 @@ static pith_status enter_face(const volume_scene *scene, volume_march *m, volume
                               pith_error *err)
 {
     const volume_body *body = &scene->bodies[e.body];
-    const uint8_t *c = face_corners[e.corner];
+    const uint8_t *c = pith_tet_faces[e.corner];
     const uint32_t *tet = body->part.tets[e.tet], v[3] = { tet[c[0]], tet[c[1]], tet[c[2]] };
     const pith_vec3 p[3] = { body->eye[v[0]], body->eye[v[1]], body->eye[v[2]] };
     const double x[3] = { p[0].x, p[1].x, p[2].x }, y[3] = { p[0].y, p[1].y, p[2].y };
@@ -163,7 +160,7 @@ typedef struct exit_place { double z, at[4]; uint32_t corner; /* opposite the fa
 static exit_place leave(const volume_body *body, const visit *v, double x, double y)
 {
     const uint32_t *tet = body->part.tets[v->tet];
-    const uint8_t *c = face_corners[v->apex];
+    const uint8_t *c = pith_tet_faces[v->apex];
     double side[3]; /* of the edges from the apex to the corners of the face it came through */
     for (int k = 0; k < 3; ++k) side[k] = edge_side(body, tet[v->apex], tet[c[k]], x, y);
     /* It passes between a corner with negative and the next with positive side; where rounding leaves none such, the

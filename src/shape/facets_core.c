@@ -227,7 +227,8 @@ pith_status facets_fan(pith_facets *f, uint32_t v, uint32_t facet, pith_error *e
     return room ? PITH_OK : PITH_OUT_OF_MEMORY(err, "a fan of triangles");
 }
 
-/* Whether the edge leaving a at h, or the one arriving before it that nothing of the facet mirrors, joins a and b. */
+/* Of the edge leaving a at h and the one arriving before it, which counts where nothing of the facet mirrors it, the one
+   that joins a and b; PITH_NONE: neither. */
 static uint32_t joining(const pith_facets *f, uint32_t h, uint32_t b, uint32_t facet)
 {
     if (facet != PITH_NONE && f->facets[h / 3] != facet) return PITH_NONE;
@@ -335,8 +336,7 @@ pith_status facets_insert_known(pith_facets *f, uint32_t facet, uint32_t vertex,
     return PITH_OK;
 }
 
-/* The place of p along the segment from a to b, 0..1. */
-static double place_along(pith_vec3 a, pith_vec3 b, pith_vec3 p)
+double facets_place_along(pith_vec3 a, pith_vec3 b, pith_vec3 p)
 {
     const pith_vec3 ab = pith_sub(b, a);
     const double size = pith_dot(ab, ab);
@@ -347,7 +347,8 @@ static double place_along(pith_vec3 a, pith_vec3 b, pith_vec3 p)
 static pith_status insert_on_edge(pith_facets *f, uint32_t h, pith_vec3 p, uint32_t *vertex, pith_error *err)
 {
     const uint32_t a = edge_from(f, h), b = edge_to(f, h);
-    const pith_vec3 on = pith_lerp(f->positions[a], f->positions[b], place_along(f->positions[a], f->positions[b], p));
+    const pith_vec3 on =
+        pith_lerp(f->positions[a], f->positions[b], facets_place_along(f->positions[a], f->positions[b], p));
     const double from_a = pith_distance(on, f->positions[a]), from_b = pith_distance(on, f->positions[b]);
     if (fmin(from_a, from_b) <= f->tolerance) {
         *vertex = from_a <= from_b ? a : b;
@@ -411,14 +412,14 @@ pith_status facets_insert_on_border(pith_facets *f, uint32_t low, uint32_t high,
                                     pith_error *err)
 {
     const pith_vec3 a = f->positions[low], b = f->positions[high];
-    const double along = place_along(a, b, p);
+    const double along = facets_place_along(a, b, p);
     for (uint32_t u = low, v = high;;) {
         const uint32_t h = facets_find_edge(f, u, v, PITH_NONE);
         if (h != PITH_NONE) return insert_on_edge(f, h, p, vertex, err);
         const uint32_t w = facets_split_at(f, u, v);
         *vertex = PITH_NONE;
         if (w == PITH_NONE) return PITH_OK;
-        *(along < place_along(a, b, f->positions[w]) ? &v : &u) = w;
+        *(along < facets_place_along(a, b, f->positions[w]) ? &v : &u) = w;
     }
 }
 

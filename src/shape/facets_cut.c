@@ -294,13 +294,6 @@ static pith_vec3 crossing(pith_vec3 p, pith_vec3 q, double off_p, double off_q)
     return pith_lerp(p, q, isfinite(share) ? fmin(fmax(share, 0.0), 1.0) : 0.5);
 }
 
-static double place_between(pith_vec3 a, pith_vec3 b, pith_vec3 p)
-{
-    const pith_vec3 ab = pith_sub(b, a);
-    const double size = pith_dot(ab, ab);
-    return size > 0.0 ? fmin(fmax(pith_dot(pith_sub(p, a), ab) / size, 0.0), 1.0) : 0.0;
-}
-
 /* An edge of the other surface through a facet. Nearly flat on it, its place is what rounding makes it: it is kept in
    the triangle that it pierces. */
 static pith_vec3 place_in_facet(const cutting *c, const end_place *end)
@@ -328,17 +321,10 @@ static pith_vec3 place_on_edge(const cutting *c, const end_place *end)
     double weights[3];
     const pith_vec3 inside = pith_nearest_on_triangle(corner.p, found, weights);
     if (!(pith_distance(inside, found) > c->f->tolerance)) return found;
-    return pith_lerp(a, b, place_between(a, b, inside));
+    return pith_lerp(a, b, facets_place_along(a, b, inside));
 }
 
-static uint64_t spread(uint64_t bits)
-{
-    bits = (bits | bits << 32) & 0x1f00000000ffffu;
-    bits = (bits | bits << 16) & 0x1f0000ff0000ffu;
-    bits = (bits | bits << 8) & 0x100f00f00f00f00fu;
-    bits = (bits | bits << 4) & 0x10c30c30c30c30c3u;
-    return (bits | bits << 2) & 0x1249249249249249u;
-}
+static uint64_t cell_of(double coordinate) { return (uint64_t)fmin(fmax(coordinate, 0.0), 65535.0); }
 
 static void find_places(cutting *c)
 {
@@ -349,11 +335,9 @@ static void find_places(cutting *c)
         end_place *end = &c->ends[i];
         end->point = end->at.facet_edge ? place_on_edge(c, end) : place_in_facet(c, end);
         if (end->at.facet_edge)
-            end->along = place_between(c->f->positions[end->at.low], c->f->positions[end->at.high], end->point);
+            end->along = facets_place_along(c->f->positions[end->at.low], c->f->positions[end->at.high], end->point);
         const pith_vec3 p = pith_scale(pith_sub(end->point, box.low), scale);
-        end->order = spread((uint64_t)fmin(fmax(p.x, 0.0), 65535.0)) |
-                     spread((uint64_t)fmin(fmax(p.y, 0.0), 65535.0)) << 1 |
-                     spread((uint64_t)fmin(fmax(p.z, 0.0), 65535.0)) << 2;
+        end->order = pith_morton(cell_of(p.x), cell_of(p.y), cell_of(p.z));
     }
 }
 

@@ -60,6 +60,8 @@ static inline uint32_t *edge_mark(const pith_facets *f, uint32_t h) { return &f-
 /* ---- facets_core.c ------------------------------------------------------------------------------------------------- */
 
 bool number_push(number_list *list, uint32_t number);
+/* Where p lies along the segment from a to b: 0 at a or before it, 1 at b or behind. */
+double facets_place_along(pith_vec3 a, pith_vec3 b, pith_vec3 p);
 
 /* In the plane of a facet; z is 0. */
 pith_vec3 facet_flat(const pith_facets *f, uint32_t facet, pith_vec3 p);
@@ -89,7 +91,7 @@ pith_status facets_insert_known(pith_facets *f, uint32_t facet, uint32_t vertex,
 pith_status facets_insert_on_border(pith_facets *f, uint32_t low, uint32_t high, pith_vec3 p, uint32_t *vertex,
                                     pith_error *err);
 
-/* An edge that leaves v in a triangle of the facet, or PITH_NONE; lists all of them in fan. */
+/* Lists the edges that leave v in triangles of the facet in f->fan. */
 pith_status facets_fan(pith_facets *f, uint32_t v, uint32_t facet, pith_error *err);
 /* The edge from a to b, or from b to a when there is only that; PITH_NONE: neither. facet PITH_NONE: in any. */
 uint32_t facets_find_edge(const pith_facets *f, uint32_t a, uint32_t b, uint32_t facet);

@@ -10,6 +10,7 @@
 enum { TYPE_I8 = 5120, TYPE_U8, TYPE_I16, TYPE_U16, TYPE_U32 = 5125, TYPE_F32 };
 enum { MODE_TRIANGLES = 4, MODE_STRIP, MODE_FAN };
 enum { MOST_VERTICES = 1 << 27 }; /* a small file may place a mesh any number of times */
+enum { MOST_NAMED = 128 };        /* attributes of its own; a small file may name one accessor any number of times */
 
 typedef struct glb_file {
     const char *name;
@@ -294,6 +295,9 @@ static pith_status add_named(const glb_file *glb, const json_t *primitive, uint3
         mesh_named *named = glb->builder->named;
         const uint32_t which =
             mesh_named_find(named, key, from.components, from.type == TYPE_F32 ? PITH_PART_FLOAT : PITH_PART_WHOLE);
+        if (named->value_count > MOST_NAMED)
+            return pith_fail(glb->err, PITH_BAD_FILE, "%s: a mesh has more than %d attributes of its own", glb->name,
+                             MOST_NAMED);
         bool kept = which != PITH_NONE;
         for (uint32_t i = 0; kept && i < count; ++i) {
             double values[4];

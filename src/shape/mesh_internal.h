@@ -143,6 +143,9 @@ mesh_writer mesh_write_obj, mesh_write_ply, mesh_write_glb;
 pith_status mesh_write_glb_textured(const pith_mesh_view *view, const pith_texture *texture, mesh_bytes *bytes,
                                     pith_error *err);
 pith_status mesh_write_glb_parts(const pith_part *parts, size_t count, mesh_bytes *bytes, pith_error *err);
+/* Whether a property of this name, or this mark, is read again as what it is. */
+bool mesh_ply_is_free(const char *property);
+bool mesh_ply_is_mark(const char *word);
 pith_status mesh_write_ply_part(const pith_part *part, mesh_bytes *bytes, pith_error *err);
 void mesh_write_obj_material(const pith_mesh_view *view, const char *file, const char *material, mesh_bytes *bytes);
 

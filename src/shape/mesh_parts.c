@@ -130,7 +130,7 @@ const pith_part *pith_parts_look(const pith_parts *parts, size_t *count)
 
 /* ---- writing ----------------------------------------------------------------------------------------------------- */
 
-/* Words of small letters, digits and '_' are the same in every format. */
+/* Words of letters, digits and '_' are the same in every format. */
 static bool is_word(const char *text)
 {
     return *text && text[strspn(text, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_")] == 0;
@@ -142,9 +142,9 @@ static pith_status check_part(const pith_part *part, const char *path, bool ply,
         if ((unsigned char)*c < ' ')
             return pith_fail(err, PITH_BAD_ARGUMENT, "%s: a name with control characters cannot be written", path);
     for (size_t i = 0; i < part->mark_count; ++i)
-        if (!is_word(part->marks[i]))
-            return pith_fail(err, PITH_BAD_ARGUMENT, "%s: \"%s\" is no mark; letters, digits and '_' are", path,
-                             part->marks[i]);
+        if (!is_word(part->marks[i]) || (ply && !mesh_ply_is_mark(part->marks[i])))
+            return pith_fail(err, PITH_BAD_ARGUMENT, "%s: \"%s\" is no mark; letters, digits and '_' are%s", path,
+                             part->marks[i], ply ? ", up to 31 that are not \"name\"" : "");
     for (size_t i = 0; i < part->value_count; ++i) {
         const pith_part_values *values = &part->values[i];
         if (!is_word(values->name) || (!ply && values->name[0] != '_'))
@@ -152,6 +152,15 @@ static pith_status check_part(const pith_part *part, const char *path, bool ply,
                              "%s: values cannot be called \"%s\"; expected letters, digits and "
                              "'_'%s",
                              path, values->name, ply ? "" : ", which comes first");
+        if (ply && !mesh_ply_is_free(values->name))
+            return pith_fail(err, PITH_BAD_ARGUMENT,
+                             "%s: values cannot be called \"%s\" in a PLY file: it has more than 31 letters or means "
+                             "something else there",
+                             path, values->name);
+        for (size_t k = 0; k < i; ++k)
+            if (strcmp(part->values[k].name, values->name) == 0)
+                return pith_fail(err, PITH_BAD_ARGUMENT, "%s: two arrays of values are called \"%s\"", path,
+                                 values->name);
         if (values->components < 1 || values->components > (ply ? 1u : 4u) || values->type == PITH_PART_WHOLE)
             return pith_fail(err, PITH_BAD_ARGUMENT, "%s: values called \"%s\" must be %s floats to be written", path,
                              values->name, ply ? "single" : "one to four");

@@ -74,7 +74,7 @@ typedef struct ply_property {
     uint32_t named; /* which of the named values; PITH_NONE: passed over */
 } ply_property;
 
-enum { MOST_PROPERTIES = 128, MOST_ELEMENTS = 32 };
+enum { MOST_PROPERTIES = 128, MOST_ELEMENTS = 32, MOST_NAME = 32 }; /* of a name with its end */
 
 typedef struct ply_element {
     char name[32];
@@ -136,15 +136,25 @@ static pith_status read_element(ply_file *ply, pith_error *err)
     return PITH_OK;
 }
 
+static ply_role vertex_role(const char *name)
+{
+    for (size_t r = 0; r < sizeof vertex_roles / sizeof *vertex_roles; ++r)
+        if (strcmp(name, vertex_roles[r].name) == 0) return vertex_roles[r].role;
+    return ROLE_NONE;
+}
+
 static ply_role role_of(const ply_element *element, const char *name, const ply_property *property)
 {
-    if (strcmp(element->name, "vertex") == 0 && !property->list)
-        for (size_t r = 0; r < sizeof vertex_roles / sizeof *vertex_roles; ++r)
-            if (strcmp(name, vertex_roles[r].name) == 0) return vertex_roles[r].role;
+    if (strcmp(element->name, "vertex") == 0 && !property->list) return vertex_role(name);
     if (strcmp(element->name, "face") == 0 && property->list && property->type < PLY_F32 &&
         (strcmp(name, "vertex_indices") == 0 || strcmp(name, "vertex_index") == 0))
         return ROLE_CORNERS;
     return ROLE_NONE;
+}
+
+bool mesh_ply_is_free(const char *property)
+{
+    return vertex_role(property) == ROLE_NONE && strlen(property) < MOST_NAME;
 }
 
 /* A property that means nothing to us, but may to whoever asked for what is named. */
@@ -160,11 +170,13 @@ static pith_status name_property(ply_file *ply, const char *name, ply_property *
     return property->named == PITH_NONE ? PITH_OUT_OF_MEMORY(err, ply->text.name) : PITH_OK;
 }
 
+bool mesh_ply_is_mark(const char *word) { return strcmp(word, "name") != 0 && strlen(word) < MOST_NAME; }
+
 /* "comment pith name NAME", where the name is the rest of the line, or "comment pith MARK". */
 static pith_status read_comment(ply_file *ply, pith_error *err)
 {
     mesh_text *text = &ply->text;
-    char word[32];
+    char word[MOST_NAME];
     if (!ply->named || !mesh_text_word(text, word, sizeof word) || strcmp(word, "pith") != 0) return PITH_OK;
     if (!mesh_text_word(text, word, sizeof word)) return PITH_OK;
     bool kept = true;
@@ -186,7 +198,7 @@ static pith_status read_property(ply_file *ply, pith_error *err)
     if (element->property_count == MOST_PROPERTIES)
         return mesh_text_fail(text, err, "element %s has more than %d properties", element->name, MOST_PROPERTIES);
     ply_property property = { .named = PITH_NONE };
-    char word[32];
+    char word[MOST_NAME];
     mesh_text ahead = *text;
     property.list = mesh_text_word(&ahead, word, sizeof word) && strcmp(word, "list") == 0;
     if (property.list) *text = ahead;

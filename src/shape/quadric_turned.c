@@ -11,7 +11,8 @@ typedef struct band_list {
 
 static pith_status check_profile(const pith_profile_point *p, size_t count, pith_error *err)
 {
-    if (count < 2) return pith_fail(err, PITH_BAD_ARGUMENT, "a profile to be turned needs two points or more, and has %zu", count);
+    if (count < 2)
+        return pith_fail(err, PITH_BAD_ARGUMENT, "a profile to be turned needs two points or more, and has %zu", count);
     for (size_t i = 0; i < count; ++i) {
         const bool end = i == 0 || i + 1 == count;
         if (!isfinite(p[i].z) || !(p[i].r >= 0.0) || !isfinite(p[i].r) || (!end && !(p[i].r > 0.0)))

@@ -254,8 +254,8 @@ static pith_status receive_faces(helper *h, const pith_tetgen_job *job, uint32_t
     uint32_t count, (*records)[4];
     PITH_TRY(transfer(h, &count, sizeof count, false, closed, err));
     if (count > PITH_TETGEN_MOST || 16.0 * count > job->memory_limit * 1048576.0)
-        return pith_fail(err, PITH_EXTERNAL, "the mesher program announces %u faces, more than its memory limit can hold",
-                         count);
+        return pith_fail(err, PITH_EXTERNAL,
+                         "the mesher program announces %u faces, more than its memory limit can hold", count);
     records = pith_alloc(count, sizeof *records);
     faces->faces = pith_alloc(count, sizeof *faces->faces);
     faces->facet = pith_alloc(count, sizeof *faces->facet);
@@ -266,8 +266,10 @@ static pith_status receive_faces(helper *h, const pith_tetgen_job *job, uint32_t
     for (uint32_t f = 0; status == PITH_OK && f < count; ++f) {
         const uint32_t *r = records[f];
         if (r[0] >= point_count || r[1] >= point_count || r[2] >= point_count || r[3] >= job->surface.triangle_count) {
-            status = pith_fail(err, PITH_EXTERNAL, "the mesher program says that face %u is a piece of triangle %u, which "
-                               "there is not", f, r[3]);
+            status = pith_fail(err, PITH_EXTERNAL,
+                               "the mesher program gives face %u the vertices %u, %u and %u of %u, as a piece of "
+                               "triangle %u of %u",
+                               f, r[0], r[1], r[2], point_count, r[3], job->surface.triangle_count);
             break;
         }
         memcpy(faces->faces[f], r, sizeof faces->faces[f]);
@@ -351,7 +353,9 @@ pith_status pith_tetgen_run_conform(const char *program, const pith_tetgen_job *
 {
     pith_conforming got = { 0 };
     const pith_status status = converse(program, job, progress, &got.tets, &got, err);
-    if (status == PITH_OK) *made = got;
-    else pith_conforming_free(&got);
+    if (status == PITH_OK)
+        *made = got;
+    else
+        pith_conforming_free(&got);
     return status;
 }

@@ -12,8 +12,6 @@ struct pith_tets {
     uint32_t vertex_count, tet_count;
 };
 
-/* Corners of the face opposite corner k, counter-clockwise seen from outside a positive tetrahedron. */
-static const uint8_t pith_tet_faces[4][3] = { { 1, 2, 3 }, { 0, 3, 2 }, { 0, 1, 3 }, { 0, 2, 1 } };
 /* Corners of the six edges. */
 static const uint8_t pith_tet_edges[6][2] = { { 0, 1 }, { 0, 2 }, { 0, 3 }, { 1, 2 }, { 1, 3 }, { 2, 3 } };
 

@@ -1,24 +1,11 @@
 /* Memory order: tetrahedra along a space-filling curve, so that those which lie together are read together. Measured on
-   200 000 tetrahedra: the points of a section are located 18 % faster, the locator is built in two thirds of the time.
-
-   Morton, "A Computer Oriented Geodetic Data Base and a New Technique in File Sequencing", IBM, 1966. */
+   200 000 tetrahedra: the points of a section are located 18 % faster, the locator is built in two thirds of the time. */
 #include "tets_internal.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 typedef struct curve_place { uint64_t code; uint32_t tet; } curve_place;
-
-/* The low 21 bits of v with two zeros between each. */
-static uint64_t spread(uint64_t v)
-{
-    v &= 0x1fffff;
-    v = (v | v << 32) & UINT64_C(0x001f00000000ffff);
-    v = (v | v << 16) & UINT64_C(0x001f0000ff0000ff);
-    v = (v | v << 8) & UINT64_C(0x100f00f00f00f00f);
-    v = (v | v << 4) & UINT64_C(0x10c30c30c30c30c3);
-    return (v | v << 2) & UINT64_C(0x1249249249249249);
-}
 
 static int by_place(const void *a, const void *b)
 {
@@ -36,8 +23,7 @@ static void find_places(const pith_tets *tets, curve_place *places)
         pith_vec3 middle = pith_v3(0, 0, 0);
         for (int k = 0; k < 4; ++k)
             middle = pith_madd(middle, pith_sub(tets->positions[tets->tets[t][k]], box.low), 0.25 * scale);
-        places[t] = (curve_place){ spread((uint64_t)middle.x) | spread((uint64_t)middle.y) << 1 |
-                                       spread((uint64_t)middle.z) << 2, t };
+        places[t] = (curve_place){ pith_morton((uint64_t)middle.x, (uint64_t)middle.y, (uint64_t)middle.z), t };
     }
 }
 

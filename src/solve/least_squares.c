@@ -5,7 +5,8 @@
  * CHOLMOD's dense parts run on OpenBLAS, which for another number of threads cuts its products differently and rounds
  * differently: with one and with two, factors of the same 39 304 unknowns gave solutions of different bits. So factors
  * are made by one BLAS thread (see solve_blas_enter): half the speed on two idle cores at worst, and no slower on busy
- * ones. The order of unknowns comes from METIS where that pays, which starts its random numbers from a fixed seed at every call.
+ * ones. The order of unknowns comes from METIS where that pays; it starts its random numbers from a fixed seed at every
+ * call.
  */
 #include "cholmod_internal.h"
 

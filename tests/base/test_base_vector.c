@@ -108,6 +108,20 @@ static void test_boxes(void **state)
     CHECK_NEAR(box.high.z, 7, 0);
 }
 
+/* Bit by bit, and beyond the 21 that count. */
+static void test_morton_weaves_bits(void **state)
+{
+    (void)state;
+    for (uint64_t i = 0; i < 1000; ++i) {
+        const uint64_t cell[3] = { pith_mix64(3 * i), pith_mix64(3 * i + 1), i % 2 ? pith_mix64(3 * i + 2) : 0 };
+        const uint64_t code = pith_morton(cell[0], cell[1], cell[2]);
+        uint64_t expected = 0;
+        for (int bit = 0; bit < 21; ++bit)
+            for (int axis = 0; axis < 3; ++axis) expected |= (cell[axis] >> bit & 1) << (3 * bit + axis);
+        assert_true(code == expected);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -117,6 +131,7 @@ int main(void)
         cmocka_unit_test(test_flat_tetrahedra_leave_the_weights_alone),
         cmocka_unit_test(test_gradients_predict_differences),
         cmocka_unit_test(test_boxes),
+        cmocka_unit_test(test_morton_weaves_bits),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

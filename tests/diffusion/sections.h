@@ -6,7 +6,7 @@
 
 #include "pith/diffusion_section.h"
 
-static const double red[4] = { 1, 0, 0, 1 }, blue[4] = { 0, 0, 1, 1 }, green[4] = { 0, 0.6, 0, 1 };
+static const double green[4] = { 0, 0.6, 0, 1 };
 
 /* ---- cutting surfaces -------------------------------------------------------------------------------------------------- */
 
@@ -82,12 +82,6 @@ static inline void body_free(body *gone)
 {
     pith_diffusion_destroy(gone->diffusion);
     for (size_t i = 0; i < gone->count; ++i) shape_free(&gone->shapes[i]);
-}
-
-static inline void paint_sides(const shape *to, const double front[4], const double back[4])
-{
-    shape_paint(to, to->front, plain_colour, front);
-    shape_paint(to, to->back, plain_colour, back);
 }
 
 static inline shape plain_ball(double r, uint32_t detail, const double front[4], const double back[4])

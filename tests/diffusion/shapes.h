@@ -1,4 +1,4 @@
-/* Surfaces that the tests of this room share: balls, blocks, a patch, with colours by a function of the place. */
+/* Surfaces that the tests of this room share: balls, stars, blocks, a patch, with colours by a function of the place. */
 #ifndef PITH_TEST_DIFFUSION_SHAPES_H
 #define PITH_TEST_DIFFUSION_SHAPES_H
 
@@ -6,6 +6,8 @@
 #include "pith/diffusion.h"
 
 static pith_error err;
+
+static const double red[4] = { 1, 0, 0, 1 }, blue[4] = { 0, 0, 1, 1 };
 
 typedef void colour_at(pith_vec3 p, const double *with, float colour[4]);
 
@@ -45,6 +47,12 @@ static inline void plain_colour(pith_vec3 p, const double *with, float colour[4]
     for (int k = 0; k < 4; ++k) colour[k] = (float)with[k];
 }
 
+static inline void paint_sides(const shape *to, const double front[4], const double back[4])
+{
+    shape_paint(to, to->front, plain_colour, front);
+    shape_paint(to, to->back, plain_colour, back);
+}
+
 static inline pith_diffusion_surface shape_surface(const shape *from)
 {
     return (pith_diffusion_surface){ .mesh = pith_mesh_look(from->mesh),
@@ -63,6 +71,22 @@ static inline shape make_ball(double r, uint32_t detail)
     pith_mesh *mesh = NULL;
     CHECK_OK(pith_mesh_fruit(&options, &mesh, &err));
     return shape_of(mesh);
+}
+
+/* A ball of 80 triangles whose vertices lie at these distances from the middle, in turn two hollows and a spike. */
+static inline shape make_star(double hollow, double spike)
+{
+    shape made = make_ball(1.0, 1);
+    pith_mesh_view view = pith_mesh_look(made.mesh);
+    pith_vec3 *moved = malloc(view.vertex_count * sizeof *moved);
+    for (uint32_t v = 0; v < view.vertex_count; ++v) moved[v] = pith_scale(view.positions[v], v % 3 ? hollow : spike);
+    view.positions = moved;
+    pith_mesh *mesh = NULL;
+    CHECK_OK(pith_mesh_create(&view, &mesh, &err));
+    pith_mesh_destroy(made.mesh);
+    made.mesh = mesh;
+    free(moved);
+    return made;
 }
 
 static inline shape make_block(double x, double y, double z, uint32_t detail)
@@ -125,8 +149,9 @@ static inline pith_vec3 random_in_ball(pith_rng *rng, double radius)
     return pith_scale(pith_rng_direction(rng), radius * cbrt(pith_rng_unit(rng)));
 }
 
-/* The share of the inner ball's colour of positive mean value coordinates at distance r from the middle of balls with radii a < r < b: the integral over
-   the cosine t of the angle to the way outward. Midpoint rule on either side of the inner ball's outline. */
+/* The share of the inner ball's colour of positive mean value coordinates at distance r from the middle of balls with
+   radii a < r < b: the integral over the cosine t of the angle to the way outward. Midpoint rule on either side of the
+   inner ball's outline. */
 static inline double share_between_balls(double r, double a, double b)
 {
     enum { STEPS = 200000 };

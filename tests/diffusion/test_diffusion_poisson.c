@@ -355,16 +355,7 @@ static void test_maximum_principle(void **state)
 static void test_sides_of_every_triangle(void **state)
 {
     (void)state;
-    shape block = make_block(1.0, 0.3, 0.6, 4), star = make_ball(1.0, 1);
-    pith_mesh_view spikes = pith_mesh_look(star.mesh); /* spikes and hollows */
-    pith_vec3 *moved = malloc(spikes.vertex_count * sizeof *moved);
-    for (uint32_t v = 0; v < spikes.vertex_count; ++v) moved[v] = pith_scale(spikes.positions[v], v % 3 ? 1.0 : 1.6);
-    spikes.positions = moved;
-    pith_mesh *mesh = NULL;
-    CHECK_OK(pith_mesh_create(&spikes, &mesh, &err));
-    pith_mesh_destroy(star.mesh);
-    star.mesh = mesh;
-    free(moved);
+    shape block = make_block(1.0, 0.3, 0.6, 4), star = make_star(1.0, 1.6);
     shape *const both[2] = { &block, &star };
     pith_diffusion_surface surfaces[2];
     for (int s = 0; s < 2; ++s) {
@@ -528,11 +519,11 @@ static void test_surfaces_may_share_vertices(void **state)
     const pith_vec3 left[3] = { { 0, 0, 0 }, { 0, 1, 0 }, { -1, 0, 0.5 } },
                     right[3] = { { 0, 0, 0 }, { 0, 1, 0 }, { 1, 0, 0.5 } };
     const uint32_t one[1][3] = { { 0, 1, 2 } };
-    const float red[3][4] = { { 1, 0, 0, 1 }, { 1, 0, 0, 1 }, { 1, 0, 0, 1 } },
-                blue[3][4] = { { 0, 0, 1, 1 }, { 0, 0, 1, 1 }, { 0, 0, 1, 1 } };
+    const float reds[3][4] = { { 1, 0, 0, 1 }, { 1, 0, 0, 1 }, { 1, 0, 0, 1 } },
+                blues[3][4] = { { 0, 0, 1, 1 }, { 0, 0, 1, 1 }, { 0, 0, 1, 1 } };
     const pith_diffusion_surface both[2] = {
-        { .mesh = { .positions = left, .triangles = one, .vertex_count = 3, .triangle_count = 1 }, .front = red },
-        { .mesh = { .positions = right, .triangles = one, .vertex_count = 3, .triangle_count = 1 }, .front = blue },
+        { .mesh = { .positions = left, .triangles = one, .vertex_count = 3, .triangle_count = 1 }, .front = reds },
+        { .mesh = { .positions = right, .triangles = one, .vertex_count = 3, .triangle_count = 1 }, .front = blues },
     };
     pith_diffusion *diffusion = prepared(both, 2, 0.15);
     const pith_vec3 points[4] = {

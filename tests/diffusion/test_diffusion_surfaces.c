@@ -3,14 +3,6 @@
 
 #include "diffusion_internal.h"
 
-static const double red[4] = { 1, 0, 0, 1 }, blue[4] = { 0, 0, 1, 1 };
-
-static void paint_sides(const shape *to, const double front[4], const double back[4])
-{
-    shape_paint(to, to->front, plain_colour, front);
-    shape_paint(to, to->back, plain_colour, back);
-}
-
 static void check_colour(const float colour[4], double r, double g, double b, double opacity, double tolerance)
 {
     CHECK_NEAR(colour[0], r, tolerance);
@@ -312,6 +304,32 @@ static void test_size_and_place_do_not_matter(void **state)
     shape_free(&patch);
 }
 
+/* A vertex that no triangle uses, far away: neither the object's radius nor the tetrahedra know of it. */
+static void test_vertices_without_triangles_do_not_count(void **state)
+{
+    (void)state;
+    shape ball = make_ball(1.0, 2);
+    paint_sides(&ball, red, blue);
+    pith_diffusion_surface surface = shape_surface(&ball);
+    pith_diffusion *plain = make_diffusion(&surface, 1);
+    const uint32_t n = surface.mesh.vertex_count;
+    pith_vec3 *positions = malloc((n + 1) * sizeof *positions);
+    float(*colours)[4] = calloc(n + 1, sizeof *colours);
+    memcpy(positions, surface.mesh.positions, n * sizeof *positions);
+    positions[n] = pith_v3(0, 300, 0);
+    surface.mesh.positions = positions;
+    surface.mesh.vertex_count = n + 1;
+    surface.front = surface.back = (const float(*)[4])colours;
+    pith_diffusion *diffusion = make_diffusion(&surface, 1);
+    assert_int_equal(diffusion->sheets.vertex_count, n);
+    assert_true(diffusion->scale == plain->scale && pith_distance(diffusion->centre, plain->centre) == 0.0);
+    pith_diffusion_destroy(plain);
+    pith_diffusion_destroy(diffusion);
+    free(positions);
+    free(colours);
+    shape_free(&ball);
+}
+
 /* ---- refusals ------------------------------------------------------------------------------------------------------------- */
 
 static void refuse(const pith_diffusion_surface *surface, pith_status status, const char *words)
@@ -470,6 +488,7 @@ int main(void)
         cmocka_unit_test(test_points_on_surfaces_and_points_that_are_none),
         cmocka_unit_test(test_a_surface_without_extent_is_not_seen),
         cmocka_unit_test(test_size_and_place_do_not_matter),
+        cmocka_unit_test(test_vertices_without_triangles_do_not_count),
         cmocka_unit_test(test_meshes_that_are_refused),
         cmocka_unit_test(test_colours_and_blur_that_are_refused),
         cmocka_unit_test(test_options_are_what_their_table_says),

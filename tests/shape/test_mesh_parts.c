@@ -60,19 +60,20 @@ static void test_there_and_back(void **state)
     rmdir(folder);
 }
 
-/* Two primitives of one mesh, only the first with the attribute: three vertices with values, three with NaN. */
-static void test_a_primitive_may_lack_values(void **state)
+/* A GLB of one mesh at one node with these primitives. Accessor 0 is a triangle's positions, accessor 1 three numbers in
+   single bytes, all 0. */
+static pith_status parse_primitives(const char *primitives, pith_parts **read)
 {
-    (void)state;
-    static const char json[] =
-        "{\"asset\":{\"version\":\"2.0\"},\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}],\"meshes\":[{"
-        "\"primitives\":["
-        "{\"attributes\":{\"POSITION\":0,\"_HEAT\":1}},{\"attributes\":{\"POSITION\":0}}]}],"
-        "\"buffers\":[{\"byteLength\":36}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],\"accessors\":["
-        "{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"},"
-        "{\"bufferView\":0,\"componentType\":5121,\"normalized\":true,\"count\":3,\"type\":\"SCALAR\"}]}";
+    char json[8000];
+    snprintf(json, sizeof json,
+             "{\"asset\":{\"version\":\"2.0\"},\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}],"
+             "\"meshes\":[{\"primitives\":[%s]}],"
+             "\"buffers\":[{\"byteLength\":36}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],\"accessors\":["
+             "{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"},"
+             "{\"bufferView\":0,\"componentType\":5121,\"normalized\":true,\"count\":3,\"type\":\"SCALAR\"}]}",
+             primitives);
     const float floats[9] = { 0, 0, 0, 1, 0, 0, 0, 1, 0 };
-    unsigned char bytes[1200];
+    unsigned char bytes[sizeof json + 100];
     const uint32_t length = (uint32_t)strlen(json), padded = (length + 3) / 4 * 4;
     const uint32_t head[5] = { 0x46546C67, 2, 28 + padded + 36, padded, 0x4E4F534A }, chunk[2] = { 36, 0x004E4942 };
     memset(bytes, ' ', sizeof bytes);
@@ -80,14 +81,42 @@ static void test_a_primitive_may_lack_values(void **state)
     memcpy(bytes + 20, json, length);
     memcpy(bytes + 20 + padded, chunk, sizeof chunk);
     memcpy(bytes + 28 + padded, floats, sizeof floats);
+    return pith_parts_parse("sample", "glb", bytes, head[2], read, &err);
+}
+
+/* Two primitives of one mesh, only the first with the attribute: three vertices with values, three with NaN. */
+static void test_a_primitive_may_lack_values(void **state)
+{
+    (void)state;
     pith_parts *read = NULL;
     size_t count;
-    CHECK_OK(pith_parts_parse("sample", "glb", bytes, head[2], &read, &err));
+    CHECK_OK(
+        parse_primitives("{\"attributes\":{\"POSITION\":0,\"_HEAT\":1}},{\"attributes\":{\"POSITION\":0}}", &read));
     const pith_part *got = pith_parts_look(read, &count);
     assert_true(count == 1 && got->mesh.vertex_count == 6 && got->value_count == 1);
     assert_true(got->values[0].type == PITH_PART_WHOLE && got->scale == 1.0);
     for (int v = 0; v < 6; ++v) assert_true(v < 3 ? got->values[0].values[v] == 0.0 : isnan(got->values[0].values[v]));
     pith_parts_destroy(read);
+}
+
+/* Every name costs eight bytes a vertex and component, and next to nothing in the file. */
+static void test_names_are_limited(void **state)
+{
+    (void)state;
+    for (int names = 128; names <= 129; ++names) {
+        char primitive[4000] = "{\"attributes\":{\"POSITION\":0";
+        for (int i = 0; i < names; ++i) snprintf(primitive + strlen(primitive), 20, ",\"_A%d\":1", i);
+        strcat(primitive, "}}");
+        pith_parts *read = NULL;
+        if (names > 128) {
+            CHECK_FAILS(parse_primitives(primitive, &read), PITH_BAD_FILE, "more than 128 attributes");
+            continue;
+        }
+        CHECK_OK(parse_primitives(primitive, &read));
+        size_t count;
+        assert_int_equal(pith_parts_look(read, &count)->value_count, names);
+        pith_parts_destroy(read);
+    }
 }
 
 static void test_what_cannot_be_written(void **state)
@@ -100,14 +129,24 @@ static void test_what_cannot_be_written(void **state)
     CHECK_FAILS(pith_parts_write(&part, 1, "/nowhere/x.glb", &err), PITH_BAD_ARGUMENT, "which comes first");
     values.name = "two words";
     CHECK_FAILS(pith_parts_write(&part, 1, "/nowhere/x.ply", &err), PITH_BAD_ARGUMENT, "two words");
+    values.name = "diffuse_red"; /* a colour to whoever reads it */
+    CHECK_FAILS(pith_parts_write(&part, 1, "/nowhere/x.ply", &err), PITH_BAD_ARGUMENT, "means something else");
+    values.name = "abcdefghijklmnopqrstuvwxyz012345";
+    CHECK_FAILS(pith_parts_write(&part, 1, "/nowhere/x.ply", &err), PITH_BAD_ARGUMENT, "more than 31 letters");
+    const pith_part_values twice[2] = { { "_HEAT", 1, PITH_PART_FLOAT, one }, { "_HEAT", 1, PITH_PART_FLOAT, one } };
+    part.values = twice, part.value_count = 2;
+    CHECK_FAILS(pith_parts_write(&part, 1, "/nowhere/x.glb", &err), PITH_BAD_ARGUMENT, "two arrays");
+    part.values = &values, part.value_count = 1;
     values = (pith_part_values){ "_PAIR", 2, PITH_PART_FLOAT, two };
     CHECK_FAILS(pith_parts_write(&part, 1, "/nowhere/x.ply", &err), PITH_BAD_ARGUMENT, "single floats");
     values.type = PITH_PART_WHOLE;
     CHECK_FAILS(pith_parts_write(&part, 1, "/nowhere/x.glb", &err), PITH_BAD_ARGUMENT, "one to four floats");
     part.value_count = 0;
-    const char *const mark[1] = { "a b" };
+    const char *mark[1] = { "a b" };
     part.marks = mark, part.mark_count = 1;
     CHECK_FAILS(pith_parts_write(&part, 1, "/nowhere/x.glb", &err), PITH_BAD_ARGUMENT, "no mark");
+    mark[0] = "name"; /* a PLY would give the mesh an empty name */
+    CHECK_FAILS(pith_parts_write(&part, 1, "/nowhere/x.ply", &err), PITH_BAD_ARGUMENT, "no mark");
     part.mark_count = 0;
     CHECK_FAILS(pith_parts_write(&part, 1, "/nowhere/x.glb", &err), PITH_IO, "/nowhere");
     part.mesh.triangle_count = 0;
@@ -119,6 +158,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_there_and_back),
         cmocka_unit_test(test_a_primitive_may_lack_values),
+        cmocka_unit_test(test_names_are_limited),
         cmocka_unit_test(test_what_cannot_be_written),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
