@@ -27,7 +27,7 @@ export function sketchPanel(context: Context, session: Session): HTMLElement {
 }
 
 const kindIcons: { [kind: string]: IconName } = { around: 'around', chambers: 'chambers', grains: 'grain', file: 'folder', body: 'body' };
-export const kindWords: { [kind: string]: string } = {
+const kindWords: { [kind: string]: string } = {
   around: 'Around the axis', chambers: 'A chamber in each fold', grains: 'Grains', file: 'A mesh file', body: 'The body’s own surface',
 };
 

@@ -33,7 +33,7 @@ function eraseTool(session: Session): PaneTool {
   const { app } = session;
   let stroke: { pane: Pane; points: Vec[] } | null = null;
 
-  /* The chosen surface, when it has a curve in the pane; else the one whose curve lies nearest to the stroke. */
+  /* The chosen surface, whether or not it has a curve in the pane; else the one whose curve lies nearest to the stroke. */
   function target(pane: Pane, points: readonly Vec[]): string | null {
     const chosen = chosenSurface(app.store.state)?.json;
     if (chosen) return chosen.name;
