@@ -167,6 +167,14 @@ export function solidOf(state: State, index = state.body): { json: Json; place: 
   return { json: solids[at], place: `${bodyPlace(state, index)}solids[${at}]` };
 }
 
+/** A name that is not taken: the wish, or with a number behind it. */
+export function freeName(wish: string, taken: (name: string) => boolean): string {
+  const base = wish.replace(/ \d+$/, '');
+  let name = wish;
+  for (let i = 2; taken(name); ++i) name = `${base} ${i}`;
+  return name;
+}
+
 /** The surfaces of the body, as the document has them. */
 export function surfacesOf(state: State, index = state.body): Json[] { return (bodyJson(state, index).surfaces ?? []) as Json[]; }
 

@@ -223,7 +223,7 @@ test('every field a type needs has a word, and every type an exemplar that is sh
 });
 
 test('what is sketched of a body like another is written where its surfaces stand', async () => {
-  const { addSurface, curvesOf, curveOperation, renameOperations, sketchPath } = await load('sketch/drawn');
+  const { addSurface, curvesOf, curveOperation, freeSurfaceName, renameOperations, sketchPath } = await load('sketch/drawn');
   const vertical = [[0, 1], [1, 0], [0, -1]], one = { name: 'one', shape: { surfaces: ['skin'] }, sketch: { folds: 3 },
     surfaces: [{ name: 'skin', kind: 'around', vertical }], solids: [{ name: 'inside', kind: 'diffusion', surfaces: ['skin'] }] };
   const state = { body: 1, document: { bodies: [one, { name: 'other', like: 'one', shape: { place: { move_y: 2 } } }] } };
@@ -234,5 +234,7 @@ test('what is sketched of a body like another is written where its surfaces stan
   assert.deepEqual(renameOperations(state, 0, 'peel').map(({ path }) => path),
     ['bodies[0].surfaces[0].name', 'bodies[0].shape.surfaces[0]', 'bodies[0].solids[0].surfaces[0]']);
   state.document.bodies[1] = { ...state.document.bodies[1], surfaces: one.surfaces };
+  assert.equal(freeSurfaceName(state, 'core'), 'core');
+  assert.equal(freeSurfaceName(state, 'skin'), 'skin 2');
   assert.equal(sketchPath({ ...state, document: { ...state.document } }), 'bodies[1].sketch', 'it has surfaces of its own');
 });

@@ -1,7 +1,7 @@
 // The sketch of a document as the panes need it: whose curves there are, and the operations that change them.
 
 import type { Json } from '../protocol';
-import { bodyJson, bodyPlace, surfaceKey, surfaceOwner, surfacePath, surfacesOf, type State } from '../store';
+import { bodyJson, bodyPlace, freeName, surfaceKey, surfaceOwner, surfacePath, surfacesOf, type State } from '../store';
 import { knotsOf, pointsOf, Spline, type Knot, type Vec } from './curve';
 
 export type PaneName = 'vertical' | 'horizontal';
@@ -138,12 +138,9 @@ export function addSurface(state: State, surface: Json): Json[] {
   return [{ op: 'set', path: surfacePath(state, surfacesOf(state).length), value: surface }, ...joinSolids(state, surface.name)];
 }
 
-/** A name that no surface has: the wish, or with a number behind it. */
-export function freeName(state: State, wish: string): string {
-  const taken = new Set(surfacesOf(state).map(({ name }) => name as string));
-  let name = wish;
-  for (let i = 2; taken.has(name); ++i) name = `${wish} ${i}`;
-  return name;
+/** A name that no surface has. */
+export function freeSurfaceName(state: State, wish: string): string {
+  return freeName(wish, (name) => surfacesOf(state).some((surface) => surface.name === name));
 }
 
 /** Colours of surfaces that nobody chose yet: each differs from those before. */
@@ -157,7 +154,7 @@ export function nextColour(state: State): string {
 /** A name to suggest for the next surface. */
 export function nameFor(state: State, kind: string): string {
   if (surfacesOf(state).length === 0) return 'skin';
-  return freeName(state, { chambers: 'chambers', grains: 'seeds', body: 'skin', file: 'surface' }[kind] ?? 'flesh');
+  return freeSurfaceName(state, { chambers: 'chambers', grains: 'seeds', body: 'skin', file: 'surface' }[kind] ?? 'flesh');
 }
 
 /** The operations that call a surface something else, everywhere it is named. */

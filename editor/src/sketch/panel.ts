@@ -13,7 +13,7 @@ import { menuButton, type MenuItem } from '../ui/floating';
 import { icon, type IconName } from '../ui/icons';
 import { badge, empty, list, listRow, section, setNote } from '../ui/layout';
 import { slider } from '../ui/slider';
-import { addSurface, boundsOf, colourOf, foldsOf, freeName, isClosed, middleOf, nameFor, nextColour, sketchPath, turned } from './drawn';
+import { addSurface, boundsOf, colourOf, foldsOf, freeSurfaceName, isClosed, middleOf, nameFor, nextColour, sketchPath, turned } from './drawn';
 import { knotsOf, type Vec } from './curve';
 import type { Session } from './session';
 import { surfaceMore } from './surface';
@@ -103,7 +103,7 @@ function menu({ app }: Context, session: Session, surface: Json, at: number, bou
 }
 
 async function duplicate({ app }: Session, surface: Json): Promise<void> {
-  const { store } = app, name = freeName(store.state, surface.name);
+  const { store } = app, name = freeSurfaceName(store.state, surface.name);
   if (await app.actions.apply(`Duplicate ${surface.name}`, addSurface(store.state, { ...surface, name }))) store.set({ selectedSurface: name });
 }
 
