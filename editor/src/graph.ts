@@ -2,6 +2,7 @@
 // that every name still means something. Nothing here knows what a function does: the server says what it gives and takes.
 
 import type { Functions, InputFacts, Json, ValueKind } from './protocol';
+import { freeName } from './store';
 
 /** A place where a node's name, or a plain value, stands. node: the index of the user; -1: an output of the solid. */
 export interface Use { node: number; key: string; at: number | null; takes: ValueKind | 'any'; wanted: boolean }
@@ -104,10 +105,7 @@ export class Graph {
 
   /** A name that no node has yet. */
   freshName(wish: string): string {
-    const base = wish.replace(/ \d+$/, '');
-    let name = wish;
-    for (let i = 2; this.indexOf(name) >= 0; ++i) name = `${base} ${i}`;
-    return name;
+    return freeName(wish, (name) => this.indexOf(name) >= 0);
   }
 }
 

@@ -167,6 +167,14 @@ export function solidOf(state: State, index = state.body): { json: Json; place: 
   return { json: solids[at], place: `${bodyPlace(state, index)}solids[${at}]` };
 }
 
+/** A name that is not taken: the wish, or with a number behind it. */
+export function freeName(wish: string, taken: (name: string) => boolean): string {
+  const base = wish.replace(/ \d+$/, '');
+  let name = wish;
+  for (let i = 2; taken(name); ++i) name = `${base} ${i}`;
+  return name;
+}
+
 /** The surfaces of the body, as the document has them. */
 export function surfacesOf(state: State, index = state.body): Json[] { return (bodyJson(state, index).surfaces ?? []) as Json[]; }
 
@@ -177,10 +185,18 @@ export function surfaceOwner(state: State, index = state.body): number {
   return surfaceOwner(state, bodies.findIndex(({ name }) => name === body.like));
 }
 
+/** Where a surface of a body stands in the document. */
+export function surfacePath(state: State, at: number, index = state.body): string {
+  return `${bodyPlace(state, surfaceOwner(state, index))}surfaces[${at}]`;
+}
+
+/** The key that names the body with a body's surfaces in an operation on them. */
+export function surfaceKey(state: State, index = state.body): Json { return bodyKey(state, surfaceOwner(state, index)); }
+
 /** The surface that is chosen, and its place in the document; null when there is none. */
 export function chosenSurface(state: State): { json: Json; place: string; index: number } | null {
   const index = surfacesOf(state).findIndex((surface) => surface.name === state.selectedSurface);
-  return index < 0 ? null : { json: surfacesOf(state)[index], place: `${bodyPlace(state, surfaceOwner(state))}surfaces[${index}]`, index };
+  return index < 0 ? null : { json: surfacesOf(state)[index], place: surfacePath(state, index), index };
 }
 
 /** Is a surface the outside of its body? Then it is the body's skin; hollows that bound it, too, lie within. */

@@ -2,7 +2,7 @@
 
 import type { App } from './app';
 import type { Json } from './protocol';
-import { bodyKey, boundsBody, chosenSurface, surfaceOwner, surfacesOf, type State } from './store';
+import { boundsBody, chosenSurface, surfaceKey, surfacesOf, type State } from './store';
 
 /** Keeps the view of surfaces in step with what is chosen. */
 export function installSurfaceView(app: App): void {
@@ -50,7 +50,7 @@ export function flipObstacle(state: State): string | null {
 export function flipSurface(app: App): Promise<boolean> {
   const { state } = app.store;
   return app.actions.apply('Flip surface',
-    [{ op: 'surface.flip', surface: state.selectedSurface, ...bodyKey(state, surfaceOwner(state)) }]);
+    [{ op: 'surface.flip', surface: state.selectedSurface, ...surfaceKey(state) }]);
 }
 
 /** Operations that give a surface a colour for each side, as it looks now; none where it has them. */

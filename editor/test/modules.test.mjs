@@ -1,5 +1,5 @@
 // What of the page can be tried without a browser: numbers along sliders, places in the schema, starting fields, what a
-// fill reaches, shortcuts, colours between stops.
+// fill reaches, shortcuts, colours between stops, operations on sketches.
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { dirname, join } from 'node:path';
@@ -220,4 +220,21 @@ test('every field a type needs has a word, and every type an exemplar that is sh
   assert.deepEqual(typeTable.map((facts) => facts.type), schema.$defs.lapped.properties.type.enum);
   for (const { exemplar } of typeTable) readFileSync(join(root, 'examples', 'exemplars', `${exemplar}.json`));
   assert.deepEqual(Object.keys(needWords).sort(), ['depth', 'direction', 'scale', 'vectors']);
+});
+
+test('what is sketched of a body like another is written where its surfaces stand', async () => {
+  const { addSurface, curvesOf, curveOperation, freeSurfaceName, renameOperations, sketchPath } = await load('sketch/drawn');
+  const vertical = [[0, 1], [1, 0], [0, -1]], one = { name: 'one', shape: { surfaces: ['skin'] }, sketch: { folds: 3 },
+    surfaces: [{ name: 'skin', kind: 'around', vertical }], solids: [{ name: 'inside', kind: 'diffusion', surfaces: ['skin'] }] };
+  const state = { body: 1, document: { bodies: [one, { name: 'other', like: 'one', shape: { place: { move_y: 2 } } }] } };
+  const [curve] = curvesOf(state, new Map());
+  assert.deepEqual(curveOperation(state, curve, curve.knots, 0).body, 'one');
+  assert.equal(sketchPath(state), 'bodies[0].sketch');
+  assert.deepEqual(addSurface(state, { name: 'core' }).map(({ path }) => path), ['bodies[0].surfaces[1]', 'bodies[0].solids[0].surfaces[1]']);
+  assert.deepEqual(renameOperations(state, 0, 'peel').map(({ path }) => path),
+    ['bodies[0].surfaces[0].name', 'bodies[0].shape.surfaces[0]', 'bodies[0].solids[0].surfaces[0]']);
+  state.document.bodies[1] = { ...state.document.bodies[1], surfaces: one.surfaces };
+  assert.equal(freeSurfaceName(state, 'core'), 'core');
+  assert.equal(freeSurfaceName(state, 'skin'), 'skin 2');
+  assert.equal(sketchPath({ ...state, document: { ...state.document } }), 'bodies[1].sketch', 'it has surfaces of its own');
 });

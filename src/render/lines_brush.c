@@ -1,8 +1,6 @@
 /* Strokes as a brush draws them: spaced evenly, smoothed between corners, wider and thinner, a little astray. */
 #include "lines_internal.h"
 
-#include <string.h>
-
 static const double spacing = 0.75;     /* of points, pixels */
 static const double reach = 6.0;        /* pixels on either side of a point that tell whether it is a corner */
 static const double corner_turn = 0.77; /* cosine of the turn from which it is one: 40 degrees */

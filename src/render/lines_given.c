@@ -1,8 +1,6 @@
 /* The caller's lines: projected, looked at point by point, and kept where nothing stands before them. */
 #include "lines_internal.h"
 
-#include <string.h>
-
 static const double beside = 2.0;  /* pixels off the surface that is seen, within which a point lies in it */
 static const double around = 25.0; /* pixels from the place that is seen, likewise: surfaces seen aslant */
 static const double blink = 3.0;   /* pixels: shorter gaps, and shorter glimpses, are errors of the two above */
@@ -146,16 +144,15 @@ static bool near_a_line(const lines_trace *trace, pith_vec2 spot)
     return false;
 }
 
-/* A run of points that are shown, from first to before end; of a ring it may go on at the beginning. */
+/* A run of so many points that are shown, from first on; of a ring it may go on at the beginning. */
 static bool emit_run(const lines_trace *trace, const piece *p, size_t first, size_t count, bool closed,
                      const uint8_t ends[2], lines_strokes *to)
 {
-    lines_stroke stroke = { .closed = closed,
-                            .kind = PITH_STROKE_GIVEN,
-                            .ends = { ends[0], ends[1] },
-                            .joined_width = { INFINITY, INFINITY } };
-    const pith_vec3 borders[2] = { p->at[first % p->count], p->at[(first + count - 1) % p->count] };
-    memcpy(stroke.joined, borders, sizeof borders);
+    const lines_stroke stroke = { .closed = closed,
+                                  .kind = PITH_STROKE_GIVEN,
+                                  .ends = { ends[0], ends[1] },
+                                  .joined = { p->at[first % p->count], p->at[(first + count - 1) % p->count] },
+                                  .joined_width = { INFINITY, INFINITY } };
     if (!lines_stroke_begin(to, stroke)) return false;
     for (size_t i = first; i < first + count; ++i) {
         const size_t k = i % p->count;

@@ -89,6 +89,9 @@ void build_told(editor *own, const json_t *event);
 pith_status do_files(editor *own, request *asked, pith_error *err);
 pith_status do_file_put(editor *own, request *asked, pith_error *err);
 pith_status do_image(editor *own, request *asked, pith_error *err);
+/* Where the file lies that a request names as its path, once that is known to be within reach; to be freed with
+   pith_free. */
+pith_status find_asked_file(editor *own, request *asked, char **whole, pith_error *err);
 
 /* ---- looking: requests_look.c ------------------------------------------------------------------------------------ */
 

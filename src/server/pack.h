@@ -27,9 +27,10 @@ pith_status pack_view(pith_model *model, const pack_stamp *stamp, packet **made,
 pith_status pack_section(pith_model *model, const pith_plane *plane, const pack_stamp *stamp, packet **made,
                          pith_error *err);
 /* `surface`: one of those that a body's colours flow between. drawn: where it was drawn (pith_model_surface_drawn). The
-   key says what the packet says: surface_key as text. */
+   key: surface_key as text. */
 pith_status pack_surface(const pith_diffusion_surface *from, const pith_mesh_view *drawn, size_t body, const char *key,
                          packet **made, pith_error *err);
-uint64_t surface_key(const pith_diffusion_surface *from, const pith_mesh_view *drawn);
+/* Of all that the packet says: another when anything of it is. */
+uint64_t surface_key(const pith_diffusion_surface *from, const pith_mesh_view *drawn, size_t body);
 
 #endif

@@ -18,7 +18,7 @@ static uint64_t hash_array(uint64_t hash, const char *name, const void *values, 
     return pith_hash_bytes(values, size, hash);
 }
 
-uint64_t surface_key(const pith_diffusion_surface *from, const pith_mesh_view *drawn)
+uint64_t surface_key(const pith_diffusion_surface *from, const pith_mesh_view *drawn, size_t body)
 {
     const pith_mesh_view *mesh = &from->mesh;
     const bool hidden[2] = { from->hide_front, from->hide_back };
@@ -28,7 +28,9 @@ uint64_t surface_key(const pith_diffusion_surface *from, const pith_mesh_view *d
     hash = hash_array(hash, "back", from->back, mesh->vertex_count * sizeof *from->back);
     hash = hash_array(hash, "blur", from->blur, mesh->vertex_count * sizeof *from->blur);
     hash = hash_array(hash, "drawn", drawn->positions, drawn->vertex_count * sizeof *drawn->positions);
-    return hash_array(hash, "hidden", hidden, sizeof hidden);
+    hash = hash_array(hash, "hidden", hidden, sizeof hidden);
+    hash = hash_array(hash, "name", from->name, strlen(from->name));
+    return hash_array(hash, "body", &body, sizeof body);
 }
 
 pith_status pack_surface(const pith_diffusion_surface *from, const pith_mesh_view *drawn, size_t body, const char *key,

@@ -12,9 +12,14 @@ static pith_status render_surfaces(pith_model *model, bool coarse, const pith_pr
     PITH_TRY(pith_model_view(model, &camera, &options, err));
     if (coarse) options.samples = 1;
     const pith_line_options *lines = coarse ? NULL : pith_model_lines(model);
-    PITH_TRY(pith_render(items, count, &camera, &options, progress, image, err));
-    const pith_status status = lines ? pith_render_lines(items, count, NULL, &camera, lines, progress, *image, err) : PITH_OK;
-    if (status != PITH_OK) pith_image_destroy(*image);
+    pith_image *made = NULL;
+    PITH_TRY(pith_render(items, count, &camera, &options, progress, &made, err));
+    pith_status status = PITH_OK;
+    if (lines) status = pith_render_lines(items, count, NULL, &camera, lines, progress, made, err);
+    if (status == PITH_OK)
+        *image = made;
+    else
+        pith_image_destroy(made);
     return status;
 }
 

@@ -22,23 +22,29 @@ pith_status do_file_put(editor *own, request *asked, pith_error *err)
     return PITH_OK;
 }
 
+pith_status find_asked_file(editor *own, request *asked, char **whole, pith_error *err)
+{
+    const char *path = request_text(asked, "path", "");
+    const file_places places = editor_places(own);
+    json_t *wanted = json_string(path);
+    const pith_status status = files_check(&places, wanted, session_present(own->opened)->root, err);
+    json_decref(wanted);
+    if (status != PITH_OK) return status;
+    *whole = pith_path_join(session_path(own->opened), path);
+    return *whole ? PITH_OK : PITH_OUT_OF_MEMORY(err, "a path");
+}
+
 /* The file as it is: pages read PNG and JPEG themselves. */
 pith_status do_image(editor *own, request *asked, pith_error *err)
 {
     const char *path = request_text(asked, "path", "");
-    const file_places places = editor_places(own);
     if (!files_has_kind(path, "image"))
         return pith_fail(err, PITH_BAD_ARGUMENT, "path: %.300s is no picture, expected a .png, .jpg or .jpeg", path);
-    json_t *wanted = json_string(path);
-    pith_status status = files_check(&places, wanted, session_present(own->opened)->root, err);
-    json_decref(wanted);
-    if (status != PITH_OK) return status;
-
     unsigned char *bytes = NULL;
     size_t size;
-    char *whole = pith_path_join(session_path(own->opened), path);
-    if (!whole) return PITH_OUT_OF_MEMORY(err, "a path");
-    status = pith_file_read(whole, &bytes, &size, err);
+    char *whole = NULL;
+    PITH_TRY(find_asked_file(own, asked, &whole, err));
+    const pith_status status = pith_file_read(whole, &bytes, &size, err);
     pith_free(whole);
     if (status != PITH_OK) return status;
     packet *made = NULL;

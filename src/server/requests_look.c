@@ -145,19 +145,12 @@ pith_status do_colours(editor *own, request *asked, pith_error *err)
    would write it. */
 pith_status do_recipe(editor *own, request *asked, pith_error *err)
 {
-    const char *path = request_text(asked, "path", "");
-    const file_places places = editor_places(own);
-    json_t *wanted = json_string(path);
-    pith_status status = files_check(&places, wanted, session_present(own->opened)->root, err);
-    json_decref(wanted);
-    if (status != PITH_OK) return status;
-
     unsigned char *bytes = NULL;
     size_t size;
     pith_recipe *recipe = NULL;
-    char *whole = pith_path_join(session_path(own->opened), path);
-    if (!whole) return PITH_OUT_OF_MEMORY(err, "a path");
-    status = pith_recipe_load(whole, &recipe, err);
+    char *whole = NULL;
+    PITH_TRY(find_asked_file(own, asked, &whole, err));
+    pith_status status = pith_recipe_load(whole, &recipe, err);
     pith_recipe_destroy(recipe);
     if (status == PITH_OK) status = pith_file_read(whole, &bytes, &size, err);
     pith_free(whole);
@@ -165,7 +158,7 @@ pith_status do_recipe(editor *own, request *asked, pith_error *err)
     json_t *root = json_loadb((const char *)bytes, size, JSON_REJECT_DUPLICATES, NULL);
     pith_free(bytes);
     const char *strip = json_string_value(json_object_get(root, "strip"));
-    char *moved = strip ? pith_path_join(path, strip) : NULL;
+    char *moved = strip ? pith_path_join(request_text(asked, "path", ""), strip) : NULL;
     if (moved) json_object_set_new(root, "strip", json_string(moved));
     pith_free(moved);
     json_object_set_new(asked->answer, "recipe", root);

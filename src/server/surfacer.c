@@ -85,9 +85,7 @@ static pith_status send_surface(surfacer *own, const sent_surfaces *before, size
     pith_mesh_view drawn;
     char key[KEY_ROOM];
     PITH_TRY(pith_model_surface_drawn(model, index, &drawn, err));
-    to->key = pith_hash_bytes(&body, sizeof body, surface_key(from, &drawn));
-    const uint64_t named = pith_hash_bytes(from->name, strlen(from->name), 0);
-    to->key = pith_hash_bytes(&named, sizeof named, to->key);
+    to->key = surface_key(from, &drawn, body);
     for (size_t i = 0; i < before->count; ++i)
         if (before->items[i].key == to->key) {
             to->content = packet_hold(before->items[i].content);
@@ -95,6 +93,7 @@ static pith_status send_surface(surfacer *own, const sent_surfaces *before, size
         }
     snprintf(key, sizeof key, "%016llx", (unsigned long long)to->key);
     PITH_TRY(pack_surface(from, &drawn, body, key, &to->content, err));
+    const uint64_t named = pith_hash_bytes(from->name, strlen(from->name), 0);
     packet_set_slot(to->content, "surface/%zu/%016llx", body, (unsigned long long)named);
     outbox_put(own->out, OUTBOX_ALL, packet_hold(to->content));
     return PITH_OK;

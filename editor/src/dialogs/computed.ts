@@ -3,7 +3,7 @@
 import type { App } from '../app';
 import { placed } from '../graph';
 import type { Json, Point } from '../protocol';
-import { bodyJson, bodyKey, bodyPlace, solidOf } from '../store';
+import { bodyJson, bodyKey, bodyPlace, freeName, solidOf } from '../store';
 import { h } from '../ui/dom';
 import bubbles from '../../../examples/bubbles.pith';
 import granite from '../../../examples/granite.pith';
@@ -46,9 +46,7 @@ export function computedOperations(app: App, name: string): Json[] {
   const [low, high] = box, middle = low.map((least, k) => (least + high[k]) / 2) as Point;
   const from = computedOf(name)!.document, solid = from.solids[0] as Json, present = solidOf(state);
   const others = (body.solids ?? []) as Json[], replaces = present?.json.kind === 'procedural' ? present : null;
-  const taken = (wish: string): boolean => others.some((each) => each !== replaces?.json && each.name === wish);
-  let own = name;
-  for (let i = 2; taken(own); ++i) own = `${name} ${i}`;
+  const own = freeName(name, (wish) => others.some((each) => each !== replaces?.json && each.name === wish));
   const value = { ...placed(solid, state.functions, Math.hypot(...low.map((least, k) => high[k] - least)) / madeFor(from), middle), name: own };
   const path = replaces?.place ?? `${bodyPlace(state)}solids[${others.length}]`;
   return [{ op: 'set', path, value },

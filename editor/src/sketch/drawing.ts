@@ -5,7 +5,7 @@ import { askText, type Objection } from '../ui/dialog';
 import { chosenSurface, surfacesOf } from '../store';
 import { axisColour, clearLine, dot, line } from './draw';
 import { distance, pointsOf, Spline, type Knot, type Vec } from './curve';
-import { addSurface, drawHorizontal, foldAt, foldsOf, freeName, middleOf, nameFor, nextColour, redrawVertical } from './drawn';
+import { addSurface, drawHorizontal, foldAt, foldsOf, freeSurfaceName, middleOf, nameFor, nextColour, redrawVertical } from './drawn';
 import { fitStroke, isLoop, tidy, toHalfPlane } from './fit';
 import type { Pane } from './pane';
 import type { Session } from './session';
@@ -158,7 +158,7 @@ function newSurface(session: Session, knots: Knot[], closed: boolean): void {
   askText({ title: words, label: 'Name', value: nameFor(store.state, kind), act: 'Add', none: 'Type a name.',
     run: async (name): Promise<Objection | null> => {
       if (surfacesOf(store.state).some((each) => each.name === name)) {
-        return { why: `There is a surface “${name}” already; ${freeName(store.state, name)} is free.` };
+        return { why: `There is a surface “${name}” already; ${freeSurfaceName(store.state, name)} is free.` };
       }
       const surface = { name, kind, vertical: pointsOf(knots), ...(closed && kind === 'around' ? { closed } : {}),
         colours: { front: nextColour(store.state) } };

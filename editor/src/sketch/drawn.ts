@@ -1,7 +1,7 @@
 // The sketch of a document as the panes need it: whose curves there are, and the operations that change them.
 
 import type { Json } from '../protocol';
-import { bodyJson, bodyKey, bodyPlace, surfacesOf, type State } from '../store';
+import { bodyJson, bodyPlace, freeName, surfaceKey, surfaceOwner, surfacePath, surfacesOf, type State } from '../store';
 import { knotsOf, pointsOf, Spline, type Knot, type Vec } from './curve';
 
 export type PaneName = 'vertical' | 'horizontal';
@@ -22,10 +22,8 @@ export interface Curve {
   implied: boolean;
 }
 
-/** Where a surface stands in the document. */
-export const surfacePath = (state: State, at: number): string => `${bodyPlace(state)}surfaces[${at}]`;
-
-export const sketchPath = (state: State): string => `${bodyPlace(state)}sketch`;
+/** Where the sketch of the surfaces stands in the document: beside them, in the body that has them. */
+export const sketchPath = (state: State): string => `${bodyPlace(state, surfaceOwner(state))}sketch`;
 
 export interface Folds { count: number; angle: number }
 
@@ -90,7 +88,7 @@ export function middleOf(knots: readonly Knot[]): Vec {
 /** Writes the knots of a curve that is there, or, where another is implied, instead of it. `snap`: how near to the axis
     ends are moved onto it. */
 export function curveOperation(state: State, curve: Curve, knots: Knot[], snap: number): Json {
-  return { op: 'surface.curve', ...bodyKey(state), surface: curve.surface, pane: curve.pane,
+  return { op: 'surface.curve', ...surfaceKey(state), surface: curve.surface, pane: curve.pane,
     ...(curve.loop > 0 ? { index: curve.loop } : {}), points: pointsOf(knots),
     ...(curve.pane === 'vertical' ? { snap: Number(snap.toPrecision(4)) } : {}) };
 }
@@ -100,7 +98,7 @@ export function redrawVertical(state: State, surface: Json, at: number, knots: K
   const place = surfacePath(state, at), wasClosed = surface.closed === true;
   const flag = surface.kind === 'chambers' || closed === wasClosed ? []
     : [closed ? { op: 'set', path: `${place}.closed`, value: true } : { op: 'remove', path: `${place}.closed` }];
-  return [...flag, { op: 'surface.curve', ...bodyKey(state), surface: surface.name, pane: 'vertical', points: pointsOf(knots),
+  return [...flag, { op: 'surface.curve', ...surfaceKey(state), surface: surface.name, pane: 'vertical', points: pointsOf(knots),
     snap: Number(snap.toPrecision(4)) }];
 }
 
@@ -108,7 +106,7 @@ export function redrawVertical(state: State, surface: Json, at: number, knots: K
     another fold gives every fold its own. */
 export function drawHorizontal(state: State, surface: Json, at: number, knots: Knot[]): Json[] {
   const points = pointsOf(knots), folds = foldsOf(state);
-  const curve = { op: 'surface.curve', ...bodyKey(state), surface: surface.name, pane: 'horizontal', points };
+  const curve = { op: 'surface.curve', ...surfaceKey(state), surface: surface.name, pane: 'horizontal', points };
   if (surface.kind !== 'chambers' || !surface.horizontals || folds.count < 2) return [curve];
   const loops = surface.horizontals as Vec[][], fold = foldAt(folds, ...middleOf(knots));
   const home = (loop: Vec[]): number => foldAt(folds, ...middleOf(knotsOf(loop, true)));
@@ -130,9 +128,9 @@ function inAllFolds(loop: Vec[], home: number, { count }: Folds): Vec[][] {
 
 /** Diffusion solids that list their surfaces take one more on. */
 export function joinSolids(state: State, name: string): Json[] {
-  const solids = (bodyJson(state).solids ?? []) as Json[];
+  const owner = surfaceOwner(state), solids = (bodyJson(state, owner).solids ?? []) as Json[];
   return solids.flatMap((solid, i) => (solid.kind === 'diffusion' && solid.surfaces
-    ? [{ op: 'set', path: `${bodyPlace(state)}solids[${i}].surfaces[${solid.surfaces.length}]`, value: name }] : []));
+    ? [{ op: 'set', path: `${bodyPlace(state, owner)}solids[${i}].surfaces[${solid.surfaces.length}]`, value: name }] : []));
 }
 
 /** The operations that add a surface at the end of the list. */
@@ -140,12 +138,9 @@ export function addSurface(state: State, surface: Json): Json[] {
   return [{ op: 'set', path: surfacePath(state, surfacesOf(state).length), value: surface }, ...joinSolids(state, surface.name)];
 }
 
-/** A name that no surface has: the wish, or with a number behind it. */
-export function freeName(state: State, wish: string): string {
-  const taken = new Set(surfacesOf(state).map(({ name }) => name as string));
-  let name = wish;
-  for (let i = 2; taken.has(name); ++i) name = `${wish} ${i}`;
-  return name;
+/** A name that no surface has. */
+export function freeSurfaceName(state: State, wish: string): string {
+  return freeName(wish, (name) => surfacesOf(state).some((surface) => surface.name === name));
 }
 
 /** Colours of surfaces that nobody chose yet: each differs from those before. */
@@ -159,12 +154,12 @@ export function nextColour(state: State): string {
 /** A name to suggest for the next surface. */
 export function nameFor(state: State, kind: string): string {
   if (surfacesOf(state).length === 0) return 'skin';
-  return freeName(state, { chambers: 'chambers', grains: 'seeds', body: 'skin', file: 'surface' }[kind] ?? 'flesh');
+  return freeSurfaceName(state, { chambers: 'chambers', grains: 'seeds', body: 'skin', file: 'surface' }[kind] ?? 'flesh');
 }
 
 /** The operations that call a surface something else, everywhere it is named. */
 export function renameOperations(state: State, at: number, name: string): Json[] {
-  const body = bodyJson(state), place = bodyPlace(state), old = surfacesOf(state)[at].name as string;
+  const owner = surfaceOwner(state), body = bodyJson(state, owner), place = bodyPlace(state, owner), old = surfacesOf(state)[at].name as string;
   const operations: Json[] = [{ op: 'set', path: `${surfacePath(state, at)}.name`, value: name }];
   const inList = (list: string[] | undefined, path: string): void => list?.forEach((each, i) => {
     if (each === old) operations.push({ op: 'set', path: `${path}[${i}]`, value: name });
@@ -186,4 +181,5 @@ export function isClosed(surface: Json): boolean {
   return surface.closed === true || (points[0][0] === 0 && points[points.length - 1][0] === 0);
 }
 
-export const boundsOf = (state: State): string[] => (bodyJson(state).shape?.surfaces ?? []) as string[];
+/** The surfaces that bound a body. */
+export const boundsOf = (state: State, index = state.body): string[] => (bodyJson(state, index).shape?.surfaces ?? []) as string[];

@@ -9,7 +9,7 @@ import { tidy } from './fit';
 import type { Pane } from './pane';
 import type { Session } from './session';
 import type { PaneEvent, PaneTool } from './tool';
-import { bodyKey, chosenSurface } from '../store';
+import { chosenSurface, surfaceKey } from '../store';
 
 /* ---- what is under the pointer --------------------------------------------------------------------------------------- */
 
@@ -220,7 +220,7 @@ class Pull {
     if (!this.target || distance(...this.target, ...this.from) * event.pane.zoom < 1) return this.cancel();
     const shaped = this.added || curve.implied
       ? [curveOperation(state, curve, this.knots.map((knot) => ({ ...knot, x: round(knot.x), y: round(knot.y) })), 0)] : [];
-    void session.apply(`Bend ${curve.surface}`, [...shaped, { op: 'surface.deform', ...bodyKey(state), surface: curve.surface,
+    void session.apply(`Bend ${curve.surface}`, [...shaped, { op: 'surface.deform', ...surfaceKey(state), surface: curve.surface,
       pane: curve.pane, ...(curve.loop > 0 ? { index: curve.loop } : {}), drag: [this.from.map(round), this.target.map(round)],
       reach: round(this.reach) }]);
   }
@@ -277,7 +277,7 @@ export function smoothAll(session: Session): void {
   const { state } = session.app.store, surface = chosenSurface(state)?.json;
   const curves = session.curves.filter((curve) => curve.surface === surface?.name && !curve.implied);
   if (!surface || curves.length === 0) return session.app.messages.say('Choose a surface with curves first.');
-  void session.apply(`Smooth ${surface.name}`, curves.map((curve) => ({ op: 'surface.smooth', ...bodyKey(state),
+  void session.apply(`Smooth ${surface.name}`, curves.map((curve) => ({ op: 'surface.smooth', ...surfaceKey(state),
     surface: curve.surface, pane: curve.pane, ...(curve.loop > 0 ? { index: curve.loop } : {}), amount: session.values.smoothing })));
 }
 

@@ -111,6 +111,11 @@ function grainForm({ app }: Context, surface: Json, path: string): HTMLElement {
     else stroke?.push([z, s]);
     draw();
   });
+  canvas.addEventListener('pointercancel', () => {
+    stroke = null;
+    held = -1;
+    show();
+  });
   canvas.addEventListener('pointerup', () => {
     const drawn = stroke, moved = held;
     stroke = null;

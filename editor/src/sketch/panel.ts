@@ -6,14 +6,14 @@ import { surfaceEye } from '../panels/surfaceoptions';
 import { removeValue } from '../app';
 import { isTwoSided } from '../surfaceview';
 import type { Json } from '../protocol';
-import { bodyJson, bodyKey, bodyPlace, surfacesOf, type State } from '../store';
+import { bodyJson, bodyKey, bodyPlace, surfaceKey, surfaceOwner, surfacePath, surfacesOf, type State } from '../store';
 import { button, row } from '../ui/controls';
 import { h, live, type Child } from '../ui/dom';
 import { menuButton, type MenuItem } from '../ui/floating';
 import { icon, type IconName } from '../ui/icons';
 import { badge, empty, list, listRow, section, setNote } from '../ui/layout';
 import { slider } from '../ui/slider';
-import { addSurface, boundsOf, colourOf, foldsOf, freeName, isClosed, middleOf, nameFor, nextColour, sketchPath, surfacePath, turned } from './drawn';
+import { addSurface, boundsOf, colourOf, foldsOf, freeSurfaceName, isClosed, middleOf, nameFor, nextColour, sketchPath, turned } from './drawn';
 import { knotsOf, type Vec } from './curve';
 import type { Session } from './session';
 import { surfaceMore } from './surface';
@@ -27,7 +27,7 @@ export function sketchPanel(context: Context, session: Session): HTMLElement {
 }
 
 const kindIcons: { [kind: string]: IconName } = { around: 'around', chambers: 'chambers', grains: 'grain', file: 'folder', body: 'body' };
-export const kindWords: { [kind: string]: string } = {
+const kindWords: { [kind: string]: string } = {
   around: 'Around the axis', chambers: 'A chamber in each fold', grains: 'Grains', file: 'A mesh file', body: 'The body’s own surface',
 };
 
@@ -76,7 +76,7 @@ function surfaceRow(context: Context, session: Session, surface: Json, at: numbe
 }
 
 function menu({ app }: Context, session: Session, surface: Json, at: number, bounds: boolean): HTMLElement {
-  const { state } = app.store, surfaces = surfacesOf(state), place = bodyPlace(state);
+  const { state } = app.store, surfaces = surfacesOf(state), place = bodyPlace(state, surfaceOwner(state));
   const anchor = h('button', { type: 'button', class: 'icon-button plain', 'aria-label': `More about ${surface.name}`,
     'data-tip': 'Order, copy, remove…', 'data-key': `surface menu ${surface.name}` }, icon('more', 18));
   const move = (to: number, name: string): void => {
@@ -88,7 +88,7 @@ function menu({ app }: Context, session: Session, surface: Json, at: number, bou
     const items: (MenuItem | null)[] = [
       { label: 'Duplicate', icon: 'copy', run: () => void duplicate(session, surface) },
       { label: 'Flip its colours', icon: 'flip', disabled: !isTwoSided(surface), run: () => void app.actions.apply(`Flip ${surface.name}`,
-        [{ op: 'surface.flip', ...bodyKey(state), surface: surface.name }]) },
+        [{ op: 'surface.flip', ...surfaceKey(state), surface: surface.name }]) },
       null,
       { label: 'Move up', icon: 'up', disabled: at === 0, run: () => move(at - 1, `Move ${surface.name} up`) },
       { label: 'Move down', icon: 'down', disabled: at === surfaces.length - 1, run: () => move(at + 1, `Move ${surface.name} down`) },
@@ -103,18 +103,18 @@ function menu({ app }: Context, session: Session, surface: Json, at: number, bou
 }
 
 async function duplicate({ app }: Session, surface: Json): Promise<void> {
-  const { store } = app, name = freeName(store.state, surface.name);
+  const { store } = app, name = freeSurfaceName(store.state, surface.name);
   if (await app.actions.apply(`Duplicate ${surface.name}`, addSurface(store.state, { ...surface, name }))) store.set({ selectedSurface: name });
 }
 
 /** Takes a surface away, and what says that it bounds the body; the last one that does stays. */
 export async function removeSurface({ app }: Session, surface: Json): Promise<void> {
-  const { store } = app, { name } = surface, bounds = boundsOf(store.state), rest = bounds.filter((each) => each !== name);
+  const { store } = app, { name } = surface, owner = surfaceOwner(store.state), bounds = boundsOf(store.state, owner), rest = bounds.filter((each) => each !== name);
   if (bounds.includes(name) && rest.length === 0) {
     return app.messages.say(`${name} bounds the body; let another closed surface bound it first.`, 'warning');
   }
-  const shape = rest.length < bounds.length ? [{ op: 'set', path: `${bodyPlace(store.state)}shape.surfaces`, value: rest }] : [];
-  const done = await app.actions.apply(`Remove ${name}`, [...shape, { op: 'surface.remove', ...bodyKey(store.state), surface: name }]);
+  const shape = rest.length < bounds.length ? [{ op: 'set', path: `${bodyPlace(store.state, owner)}shape.surfaces`, value: rest }] : [];
+  const done = await app.actions.apply(`Remove ${name}`, [...shape, { op: 'surface.remove', ...bodyKey(store.state, owner), surface: name }]);
   if (done && store.state.selectedSurface === name) store.set({ selectedSurface: null });
 }
 
@@ -212,7 +212,7 @@ function setFolds(state: State, count: number): Json[] {
 function variationSection({ app }: Context): HTMLElement {
   const { store } = app, part = section('variation', 'Variation');
   live(store, part.body, ['document', 'body', 'schema'], (state) => ({ variation: (bodyJson(state).sketch?.variation ?? null) as Json | null,
-    path: sketchPath(state), there: surfacesOf(state).some(({ kind }) => kind === 'around' || kind === 'chambers') }),
+    path: `${bodyPlace(state)}sketch`, there: surfacesOf(state).some(({ kind }) => kind === 'around' || kind === 'chambers') }),
   ({ variation, path, there }) => {
     part.show(there);
     setNote(part, variation ? `seed ${variation.seed ?? 0}` : 'as drawn');

@@ -3,7 +3,7 @@
 import type { App } from '../app';
 import type { Context } from '../panels/context';
 import type { Json } from '../protocol';
-import { bodyJson, bodyKey, bodyPlace, surfacesOf } from '../store';
+import { bodyJson, bodyKey, bodyPlace, freeName, surfacesOf } from '../store';
 import { button } from '../ui/controls';
 import { h, live } from '../ui/dom';
 
@@ -26,8 +26,7 @@ export function startOperations(app: App): Json[] {
 /** The operations that let colours flow within the shape the chosen body has: its own surface becomes the first. */
 export function insideOperations(app: App): Json[] {
   const { state } = app.store, body = bodyJson(state), place = bodyPlace(state), solids = (body.solids ?? []) as Json[];
-  let name = 'inside';
-  for (let i = 2; solids.some((solid) => solid.name === name); ++i) name = `inside ${i}`;
+  const name = freeName('inside', (wish) => solids.some((solid) => solid.name === wish));
   return [{ op: 'set', path: `${place}surfaces`, value: [{ name: 'skin', kind: 'body', colours: { front: '#c8402f' } }] },
     { op: 'set', path: `${place}solids[${solids.length}]`, value: { name, kind: 'diffusion' } },
     ...(solids.length > 0 ? [{ op: 'solid.choose', ...bodyKey(state), name }] : [])];

@@ -9,8 +9,8 @@ import { button, checkbox, colourField, iconButton, row, textField } from '../ui
 import { h, uid, type Child } from '../ui/dom';
 import { section } from '../ui/layout';
 import { many } from '../ui/numbers';
-import { surfacesOf } from '../store';
-import { boundsOf, isClosed, renameOperations, surfacePath } from './drawn';
+import { surfacePath, surfacesOf } from '../store';
+import { boundsOf, isClosed, renameOperations } from './drawn';
 import { grainRows } from './grains';
 import { removeSurface, sizeOf, toggleBounds } from './panel';
 import type { Session } from './session';

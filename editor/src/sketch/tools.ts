@@ -1,6 +1,6 @@
 // The other tools of the panes: erasing with a cutting stroke, taking colours from the picture, laying the picture.
 
-import { bodyKey, chosenSurface } from '../store';
+import { chosenSurface, surfaceKey } from '../store';
 import { clearLine, dot, line } from './draw';
 import { distance, isInside, isPositive, pointsOf, Spline, type Vec } from './curve';
 import { sketchPath } from './drawn';
@@ -25,7 +25,7 @@ export function eraseSide(session: Session, positive: boolean): void {
   const { cut } = session.values, { state } = session.app.store;
   if (!cut) return;
   session.set({ cut: null });
-  void session.apply(`Erase part of ${cut.surface}`, [{ op: 'surface.erase', ...bodyKey(state), surface: cut.surface,
+  void session.apply(`Erase part of ${cut.surface}`, [{ op: 'surface.erase', ...surfaceKey(state), surface: cut.surface,
     [cut.pane]: pointsOf(cut.knots), ...(cut.closed ? { closed: true } : {}), side: positive ? 'positive' : 'negative' }]);
 }
 
@@ -33,7 +33,7 @@ function eraseTool(session: Session): PaneTool {
   const { app } = session;
   let stroke: { pane: Pane; points: Vec[] } | null = null;
 
-  /* The chosen surface, when it has a curve in the pane; else the one whose curve lies nearest to the stroke. */
+  /* The chosen surface, whether or not it has a curve in the pane; else the one whose curve lies nearest to the stroke. */
   function target(pane: Pane, points: readonly Vec[]): string | null {
     const chosen = chosenSurface(app.store.state)?.json;
     if (chosen) return chosen.name;

@@ -1,6 +1,7 @@
 // The sketching mode: tools, a pane along the axis, a pane across it, as wide and as high as one likes.
 
 import type { Context } from '../panels/context';
+import { labelled } from '../panels/tooloptions';
 import { fileDialog } from '../dialogs/pick';
 import { upload } from '../dialogs/files';
 import { button, iconButton, rove, segmented } from '../ui/controls';
@@ -136,8 +137,7 @@ export class Workspace {
 
   private optionsOf(): Child {
     const { session, context: { app } } = this, { tool, redraw, knot, reach, brush, smoothing, cut } = session.values;
-    const chosen = chosenSurface(app.store.state)?.json, labelled = (label: string, control: HTMLElement): HTMLElement =>
-      h('div', { class: 'option' }, h('span', { class: 'option-label', 'aria-hidden': 'true' }, label), control);
+    const chosen = chosenSurface(app.store.state)?.json;
     const whose = h('span', { class: 'sketch-whose' }, chosen ? `${chosen.name}` : 'No surface chosen');
     const amount = (): HTMLElement => labelled('Strength', slider('Strength of smoothing', { min: 0, max: 1, default: 0.5 }, smoothing,
       (value) => session.set({ smoothing: value }), { key: 'sketch smoothing' }).element);

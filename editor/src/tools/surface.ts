@@ -4,7 +4,7 @@ import { Matrix4, Vector3 } from 'three';
 import type { App } from '../app';
 import { meetVertices, sideOfStroke } from '../brush';
 import type { Json, Point } from '../protocol';
-import { bodyJson, bodyKey, bodyPlace, surfaceOwner, surfacesOf, type State, type ViewMode } from '../store';
+import { bodyJson, surfaceKey, surfacePath, surfacesOf, type State, type ViewMode } from '../store';
 import { twoSidedOperations } from '../surfaceview';
 import type { Coat, Surface, SurfaceHit } from '../view/surfaces';
 import { FlatStroke, flatDistance, simplify, spaceDistance, toPoint, type FlatPoint } from './stroke';
@@ -98,15 +98,14 @@ export function paintSurfaceTool(app: App): Tool {
   /* What the stroke is to the document: one operation, and before it what gives each side a colour of its own. */
   function operations({ surface, index, points, radius }: Painting): Json[] {
     const { state } = store, { paintWhat, paintSide, paintColour, paintBlur, paintRepeat } = state;
-    const json = surfacesOf(state, surface.body)[index], owner = surfaceOwner(state, surface.body);
-    const place = `${bodyPlace(state, owner)}surfaces[${index}]`;
+    const json = surfacesOf(state, surface.body)[index];
     const round = (point: Point): Point => point.map((each) => Number(each.toPrecision(6))) as Point;
     const vectors = points.map((point) => new Vector3(...point));
     const corners = simplify(vectors, 0.05 * radius, spaceDistance).map(toPoint).map(round);
     const brush = { points: corners, radius: Number(radius.toPrecision(4)), ...(paintRepeat === 'once' ? {} : { repeat: paintRepeat }) };
-    const paint: Json = { op: 'surface.paint', ...bodyKey(state, owner), surface: surface.name, brush };
+    const paint: Json = { op: 'surface.paint', ...surfaceKey(state, surface.body), surface: surface.name, brush };
     if (paintWhat === 'blur') return [{ ...paint, blur: paintBlur }];
-    const before = paintSide === 'both' ? [] : twoSidedOperations(json, place);
+    const before = paintSide === 'both' ? [] : twoSidedOperations(json, surfacePath(state, index, surface.body));
     if (paintSide !== 'back') paint.front = paintColour;
     if (paintSide === 'back' || (paintSide === 'both' && surface.twoSided)) paint.back = paintColour;
     return [...before, paint];
@@ -212,7 +211,7 @@ export function eraseSurfaceTool(app: App): Tool {
       const { origin, direction } = viewport.ray(x, y);
       return toPoint(origin.addScaledVector(direction, distance).applyMatrix4(back));
     });
-    const operation = { op: 'surface.erase', ...bodyKey(state, surfaceOwner(state, surface.body)), surface: surface.name,
+    const operation = { op: 'surface.erase', ...surfaceKey(state, surface.body), surface: surface.name,
       stroke: { eye: toPoint(camera.position.clone().applyMatrix4(back)), points: space } };
     if (state.eraseSide !== 'click') return erase(operation, state.eraseSide);
     waiting = { points, surface, operation };
