@@ -10,6 +10,28 @@
     "\"along\": 12, \"colours\": {\"front\": \"#102030\", \"blur\": 0.01}}"
 #define TWO TUBE("\"front\": \"#c02010\", \"back\": \"#20c040\"") ", " BALL
 
+/* The event that says which surfaces the newest document has. */
+static const json_t *wait_for_list(desk *at)
+{
+    for (size_t i = 0;; ++i) {
+        i = desk_wait(at, i, "event", "surfaces", NULL);
+        if (whole_of(at->heard[i].text, "revision") == desk_revision(at)) return at->heard[i].text;
+    }
+}
+
+/* Waits until the page has all that its "hello" brings: what another page is greeted with comes after it. */
+static void wait_until_greeted(desk *at)
+{
+    static const char hello[] = "{\"id\": 1000000, \"do\": \"hello\"}";
+    const uint32_t other = 2;
+    wait_for_list(at);
+    editor_message(at->own, other, false, (const unsigned char *)hello, strlen(hello), desk_admit, at);
+    for (size_t i = 0;; ++i) {
+        i = desk_wait(at, i, "event", "surfaces", NULL);
+        if (at->heard[i].socket == other) return;
+    }
+}
+
 /* place: a key of the shape, or "". */
 static desk *open_surfaces(const char *place, const char *surfaces)
 {
@@ -21,16 +43,8 @@ static desk *open_surfaces(const char *place, const char *surfaces)
     write_text("kiwi.pith", text);
     desk *made = desk_open(false, false);
     ASK(made, "\"do\": \"hello\"");
+    wait_until_greeted(made);
     return made;
-}
-
-/* The event that says which surfaces the newest document has. */
-static const json_t *wait_for_list(desk *at)
-{
-    for (size_t i = 0;; ++i) {
-        i = desk_wait(at, i, "event", "surfaces", NULL);
-        if (whole_of(at->heard[i].text, "revision") == desk_revision(at)) return at->heard[i].text;
-    }
 }
 
 static const char *key_of(const json_t *event, size_t index)
