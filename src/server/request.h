@@ -27,7 +27,7 @@ typedef struct request {
     const packet_view *upload;  /* of a binary message; NULL for texts */
     json_t *answer;             /* an object to be filled with what the answer has beside "id" and "ok" */
     const char *refusal;        /* "stale"…: the status of a failure, where it is none of pith_status; else NULL */
-    bool later;                 /* set when another thread will answer, by a packet or request_answer */
+    bool later;                 /* set when it was answered already, or another thread will */
 } request;
 
 typedef struct verb {

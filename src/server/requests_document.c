@@ -116,6 +116,9 @@ pith_status do_hello(editor *own, request *asked, pith_error *err)
     json_object_set_new(to, "functions", functions());
     json_object_set_new(to, "templates", templates(own));
     describe(own, to);
+    /* What follows comes from other threads, and a page needs the document to know what it is given. */
+    asked->later = true;
+    outbox_put(own->out, asked->socket, request_success(asked->id, json_incref(to)));
     viewer_hello(own->view, asked->socket);
     surfacer_hello(own->surfaces, asked->socket);
     return PITH_OK;

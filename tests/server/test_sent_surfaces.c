@@ -153,6 +153,23 @@ static void test_another_page_gets_them_too(void **state)
     desk_close(at);
 }
 
+/* Packets come from other threads, which may be quicker than the thread that answers. */
+static void test_the_document_comes_before_what_belongs_to_it(void **state)
+{
+    (void)state;
+    desk *at = open_surfaces("", TWO);
+    for (int round = 0; round < 200; ++round) {
+        desk_forget(at);
+        ASK(at, "\"do\": \"hello\"");
+        const size_t list = desk_wait(at, 0, "event", "surfaces", NULL);
+        for (size_t i = 0; i < list; ++i) {
+            if (json_object_get(at->heard[i].text, "id")) break;
+            assert_string_equal(text_of(at->heard[i].text, "kind"), "(none)");
+        }
+    }
+    desk_close(at);
+}
+
 static void test_documents_without_surfaces_hear_nothing(void **state)
 {
     (void)state;
@@ -329,6 +346,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         TEST(test_pages_get_surfaces_without_asking),
         TEST(test_another_page_gets_them_too),
+        TEST(test_the_document_comes_before_what_belongs_to_it),
         TEST(test_documents_without_surfaces_hear_nothing),
         TEST(test_paint_sends_the_painted_surface_alone),
         TEST(test_flipping_exchanges_the_sides),
