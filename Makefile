@@ -93,6 +93,7 @@ bench: $(BUILD)/pith-configured
 	$(BUILD)/pith bench lines --json > bench/results/lines.json
 	$(BUILD)/pith bench diffusion --json > bench/results/diffusion.json
 	$(BUILD)/pith bench sketch --json > bench/results/sketch.json
+	$(BUILD)/pith bench sketch_surface --json > bench/results/sketch_surface.json
 	$(BUILD)/pith bench methods --picture docs/gallery/diffusion-methods.png --json > bench/results/methods.json
 
 gallery: editor $(BUILD)/pith-configured
