@@ -19,8 +19,8 @@ bench_run bench_lapped, bench_fields, bench_render, bench_cut, bench_layers, ben
 
 /* Accuracy of orientations recovered from strokes; part of bench_fields. */
 bench_run bench_orientation;
-/* Sections of diffusion surfaces as meshes; part of bench_diffusion. */
-bench_run bench_section;
+/* Sections of diffusion surfaces as meshes, and those of the shipped objects; parts of bench_diffusion. */
+bench_run bench_section, bench_thirteen;
 /* The shipped computed solids and a picture of them; part of bench_procedural. */
 bench_run bench_scene;
 /* Streamlines on sections and skins; the same. */

@@ -158,5 +158,6 @@ pith_status bench_diffusion(const bench_options *options, json_t *cases, pith_er
     PITH_TRY(compare_methods("fruit", bench_fruit, options->repeats, cases, err));
     for (uint32_t detail = 3; detail <= 7; ++detail) PITH_TRY(run_size(detail, SIDE, options->repeats, cases, err));
     for (int side = 32; side <= LARGEST_SIDE; side *= 2) PITH_TRY(run_size(4, side, options->repeats, cases, err));
-    return bench_section(options, cases, err);
+    PITH_TRY(bench_section(options, cases, err));
+    return bench_thirteen(options, cases, err);
 }

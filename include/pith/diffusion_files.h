@@ -3,12 +3,13 @@
  *  | | GLB | PLY |
  *  | surfaces | one to a node | one |
  *  | positions | single precision | double |
- *  | colours, linear RGBA | attributes _FRONT, _BACK: VEC4 of floats | properties front_red, front_green, front_blue,
+ *  | colours, linear | attributes _FRONT, _BACK: VEC3 or VEC4 of floats | properties front_red, front_green, front_blue,
  *                                                          front_alpha, back_red … back_alpha: float or double |
  *  | blur, model units | attribute _BLUR: SCALAR of floats | property blur: float or double |
  *  | name | the node's, or its mesh's | line "comment pith name NAME" |
  *  | a hidden side | {"pith": {"hide_front": true}} in the mesh's extras | line "comment pith hide_front" |
  *
+ *  Colours without an opacity (VEC3; no alpha) are opaque, and those that are opaque are written so.
  *  The usual vertex colours (COLOR_0; red, green, blue, alpha) hold those of the side that is seen, for other programs. */
 #ifndef PITH_DIFFUSION_FILES_H
 #define PITH_DIFFUSION_FILES_H
@@ -33,7 +34,7 @@ typedef struct pith_diffusion_surfaces_view {
  *  the caller may have colours for it (see found), else pith_diffusion_surfaces_coloured says what is missing.
  *  Where a format splits vertices along seams (normals, texture coordinates, STL), those at one place with the same
  *  values are joined again. A node that scales its mesh scales its blur.
- *  PITH_BAD_FILE: as for pith_mesh_read; attributes of another type or number of components, with some of the four
+ *  PITH_BAD_FILE: as for pith_mesh_read; attributes of another type or number of components, with some of the
  *  properties of a colour missing, not finite or out of range (see pith_diffusion_surface); both sides hidden. */
 pith_status pith_diffusion_surfaces_read(const char *path, pith_diffusion_surfaces **surfaces, pith_error *err);
 /** Same from memory; format is the extension without dot; name is used in messages. */

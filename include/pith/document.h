@@ -182,7 +182,8 @@ pith_status pith_model_surfaces(pith_model *model, const pith_diffusion_surface 
 /** The index-th of them where it was drawn, before variation and "place": what brushes and strokes are about. Vertex i of
  *  the one is vertex i of the other; of grains it is the form of one, whose vertices the surface has over and over. */
 pith_status pith_model_surface_drawn(pith_model *model, size_t index, pith_mesh_view *drawn, pith_error *err);
-/** The diffusion that the body's solid asks, and how; PITH_BAD_DOCUMENT when it is of another kind. */
+/** The diffusion that the body's solid asks, and how; of a combined one that which has its colour, without the detail.
+ *  PITH_BAD_DOCUMENT when there is none. */
 pith_status pith_model_diffusion(pith_model *model, const pith_diffusion **diffusion,
                                  const pith_diffusion_options **options, pith_error *err);
 /** pith_document_lines of its document. */

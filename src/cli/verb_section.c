@@ -137,7 +137,8 @@ int verb_section(int argc, char **argv)
         .tables = { &pith_cut_step_params, &pith_diffusion_section_params },
         .summary = "Writes what the cuts lay open of bodies whose solids are of kind \"diffusion\", as a mesh with a colour at\n"
                    "every vertex: edges run along the surfaces, where vertices stand twice with the colour of either\n"
-                   "side, and triangles are as large as the colours allow. pith cut writes whole pieces of any model.",
+                   "side, and triangles are as large as the colours allow. Of combined solids it is the colour, without\n"
+                   "the detail on it. pith cut writes whole pieces of any model.",
     };
     int code = cli_parse(&line, argc, argv);
     if (code != CLI_GO_ON) return code;

@@ -7,16 +7,17 @@
 #include <string.h>
 #include <strings.h>
 
-/* The names of front, back and blur in a GLB, and of their components in a PLY. */
+/* The names of front, back and blur in a GLB, and of their components in a PLY. The last of colours is their opacity, 1
+   where it is not there. */
 enum { FRONT, BACK, BLUR, KINDS };
 static const struct {
     const char *attribute;
-    uint32_t components;
+    uint32_t least, most; /* components */
     const char *properties[4];
 } kinds[KINDS] = {
-    [FRONT] = { "_FRONT", 4, { "front_red", "front_green", "front_blue", "front_alpha" } },
-    [BACK] = { "_BACK", 4, { "back_red", "back_green", "back_blue", "back_alpha" } },
-    [BLUR] = { "_BLUR", 1, { "blur" } },
+    [FRONT] = { "_FRONT", 3, 4, { "front_red", "front_green", "front_blue", "front_alpha" } },
+    [BACK] = { "_BACK", 3, 4, { "back_red", "back_green", "back_blue", "back_alpha" } },
+    [BLUR] = { "_BLUR", 1, 1, { "blur" } },
 };
 
 /* ---- reading --------------------------------------------------------------------------------------------------------- */
@@ -57,40 +58,44 @@ static const pith_part_values *find_values(const pith_part *part, const char *na
     return NULL;
 }
 
-static pith_status wrong_type(const char *title, const char *name, uint32_t components, pith_error *err)
-{
-    return pith_fail(err, PITH_BAD_FILE, "diffusion surface %s: %s must be %u floating-point number%s a vertex", title,
-                     name, components, components > 1 ? "s" : "");
-}
-
-/* Where each component of a kind is found: values and the step from one vertex to the next. */
+/* Where each component of a kind is found: values and the step from one vertex to the next; NULL: it is 1. */
 typedef struct component_source {
     const double *values;
     uint32_t step;
 } component_source;
 
+/* An attribute with all components of a kind. */
+static pith_status find_whole(const pith_part_values *whole, int kind, const char *title, component_source from[4],
+                              pith_error *err)
+{
+    const uint32_t least = kinds[kind].least, most = kinds[kind].most;
+    if (whole->type == PITH_PART_WHOLE || whole->components < least || whole->components > most)
+        return pith_fail(err, PITH_BAD_FILE, "diffusion surface %s: %s must be %s a vertex", title, whole->name,
+                         most > 1 ? "3 or 4 floating-point numbers" : "1 floating-point number");
+    for (uint32_t k = 0; k < whole->components; ++k)
+        from[k] = (component_source){ whole->values + k, whole->components };
+    return PITH_OK;
+}
+
 /* None, or all components of a kind. */
 static pith_status find_components(const pith_part *part, int kind, const char *title, component_source from[4],
                                    bool *any, pith_error *err)
 {
-    const uint32_t components = kinds[kind].components;
     const pith_part_values *whole = find_values(part, kinds[kind].attribute);
+    memset(from, 0, 4 * sizeof *from);
     *any = whole != NULL;
-    if (whole) {
-        if (whole->components != components || whole->type == PITH_PART_WHOLE)
-            return wrong_type(title, kinds[kind].attribute, components, err);
-        for (uint32_t k = 0; k < components; ++k) from[k] = (component_source){ whole->values + k, components };
-        return PITH_OK;
-    }
+    if (whole) return find_whole(whole, kind, title, from, err);
     const char *missing = NULL;
-    for (uint32_t k = 0; k < components; ++k) {
+    for (uint32_t k = 0; k < kinds[kind].most; ++k) {
         const char *name = kinds[kind].properties[k];
         const pith_part_values *single = find_values(part, name);
         if (!single) {
-            missing = name;
+            if (k < kinds[kind].least) missing = name;
             continue;
         }
-        if (single->components != 1 || single->type == PITH_PART_WHOLE) return wrong_type(title, name, 1, err);
+        if (single->components != 1 || single->type == PITH_PART_WHOLE)
+            return pith_fail(err, PITH_BAD_FILE, "diffusion surface %s: %s must be 1 floating-point number a vertex",
+                             title, name);
         from[k] = (component_source){ single->values, 1 };
         *any = true;
     }
@@ -118,7 +123,8 @@ static pith_status read_values(const pith_part *part, const char *title, read_su
         to->colours[kind] = pith_alloc(count, sizeof **to->colours);
         if (!to->colours[kind]) return PITH_OUT_OF_MEMORY(err, "colours");
         for (uint32_t v = 0; v < count; ++v)
-            for (int k = 0; k < 4; ++k) to->colours[kind][v][k] = (float)from[k].values[v * (size_t)from[k].step];
+            for (int k = 0; k < 4; ++k)
+                to->colours[kind][v][k] = from[k].values ? (float)from[k].values[v * (size_t)from[k].step] : 1.0f;
     }
     found->colours = part->mesh.colours != NULL;
     if (found->front || found->back || !found->colours) return PITH_OK;
@@ -322,8 +328,8 @@ pith_status pith_diffusion_surfaces_coloured(const pith_diffusion_surfaces *surf
         return pith_fail(
             err, PITH_BAD_FILE,
             "diffusion surface %s has no colour in its file; a GLB gives it by the attributes _FRONT and _BACK "
-            "(VEC4 of floats), a PLY by the properties front_red, front_green, front_blue, front_alpha and "
-            "back_red … back_alpha (float), and both by vertex colours",
+            "(VEC3 or VEC4 of floats), a PLY by the properties front_red, front_green, front_blue and back_red … "
+            "back_blue (float), and both by vertex colours",
             title);
     }
     return PITH_OK;
@@ -359,14 +365,18 @@ static double *add_values(written *to, pith_part *part, const char *name, uint32
 static bool add_side(written *to, pith_part *part, int kind, const float (*colours)[4], bool ply)
 {
     const uint32_t count = part->mesh.vertex_count;
-    for (uint32_t k = 0; ply && k < 4; ++k) {
+    uint32_t components = 3; /* the fourth only where something is seen through */
+    for (uint32_t v = 0; v < count; ++v)
+        if (colours[v][3] != 1.0f) components = 4;
+    for (uint32_t k = 0; ply && k < components; ++k) {
         double *values = add_values(to, part, kinds[kind].properties[k], 1, PITH_PART_FLOAT);
         if (!values) return false;
         for (uint32_t v = 0; v < count; ++v) values[v] = (double)colours[v][k];
     }
     if (ply) return true;
-    double *values = add_values(to, part, kinds[kind].attribute, 4, PITH_PART_FLOAT);
-    for (size_t i = 0; values && i < 4 * (size_t)count; ++i) values[i] = (double)colours[i / 4][i % 4];
+    double *values = add_values(to, part, kinds[kind].attribute, components, PITH_PART_FLOAT);
+    for (size_t i = 0; values && i < components * (size_t)count; ++i)
+        values[i] = (double)colours[i / components][i % components];
     return values != NULL;
 }
 

@@ -60,14 +60,21 @@ static void drop_under(void *what)
     pith_free(under);
 }
 
-/* One of the solids; the outer model gets what was built for it of the body. */
+/* The outer model gets what was built of the body for it. */
+pith_status model_inner_solid(pith_model *model, size_t solid, pith_model **inner, const pith_solid **made,
+                              pith_error *err)
+{
+    PITH_TRY(inner_model(model, solid, inner, err));
+    PITH_TRY(pith_model_solid(*inner, made, err));
+    model_share_body(model, *inner);
+    return PITH_OK;
+}
+
 static pith_status obtain_inner(pith_model *model, size_t solid, solids_under *under, const pith_solid **made,
                                 pith_error *err)
 {
     pith_model *inner = NULL;
-    PITH_TRY(inner_model(model, solid, &inner, err));
-    PITH_TRY(pith_model_solid(inner, made, err));
-    model_share_body(model, inner);
+    PITH_TRY(model_inner_solid(model, solid, &inner, made, err));
     under->held[under->count++] = holding_share(inner->held[STAGE_SOLID]);
     return PITH_OK;
 }

@@ -204,6 +204,9 @@ pith_status surfaces_diffusion(pith_model *model, const document_solid *solid, p
 pith_model *model_new_inner(pith_model *model, size_t solid, pith_error *err);
 void model_drop_inner(pith_model *model);
 void model_share_inner(pith_model *to, const pith_model *from);
+/* The solid of that number, and the inner model that built it, which goes with the outer one; made may be NULL. */
+pith_status model_inner_solid(pith_model *model, size_t solid, pith_model **inner, const pith_solid **made,
+                              pith_error *err);
 pith_status model_build_combined(pith_model *model, const document_solid *from, pith_error *err);
 
 /* Depth and its gradient at the vertices of these tets, and the directions of a body with strokes; arrays of the

@@ -382,12 +382,16 @@ pith_status pith_model_diffusion(pith_model *model, const pith_diffusion **diffu
                                  const pith_diffusion_options **options, pith_error *err)
 {
     const document_solid *chosen = NULL;
+    pith_model *of = model;
     PITH_TRY(chosen_solid(model, &chosen, err));
+    const bool under = chosen->kind == SOLID_COMBINED;
+    const size_t solid = under ? chosen->colour : model->body->solid;
+    chosen = &model->body->solids[solid];
     if (chosen->kind != SOLID_DIFFUSION)
         return pith_fail(err, PITH_BAD_DOCUMENT, "%s: %ssolids[%zu]: \"%s\" is of another kind than \"diffusion\"",
-                         model->document->path, model->body->place, model->body->solid, chosen->name);
-    PITH_TRY(pith_model_solid(model, NULL, err));
-    *diffusion = model->diffusion;
+                         model->document->path, model->body->place, solid, chosen->name);
+    PITH_TRY(under ? model_inner_solid(model, solid, &of, NULL, err) : pith_model_solid(model, NULL, err));
+    *diffusion = of->diffusion;
     *options = &chosen->diffusion;
     return PITH_OK;
 }

@@ -4,6 +4,7 @@
 #include "pith/diffusion_files.h"
 #include "pith/shape_parts.h"
 
+#include <sys/stat.h>
 #include <unistd.h>
 
 static char folder[] = "/tmp/pith-surfaces-XXXXXX";
@@ -109,6 +110,38 @@ static void test_there_and_back(void **state)
         pith_diffusion_surfaces_destroy(read);
     }
     for (int i = 0; i < 3; ++i) shape_free(all[i]);
+}
+
+static size_t size_of(const char *path)
+{
+    struct stat found;
+    assert_int_equal(stat(path, &found), 0);
+    return (size_t)found.st_size;
+}
+
+/* A number less a vertex, and the same colours again. */
+static void test_opaque_colours_are_written_without_opacity(void **state)
+{
+    (void)state;
+    shape ball = make_ball(1.0, 3);
+    const size_t count = pith_mesh_look(ball.mesh).vertex_count;
+    pith_diffusion_surface surface = shape_surface(&ball);
+    static const char *const names[2] = { "opaque.glb", "opaque.ply" };
+    for (int format = 0; format < 2; ++format) {
+        size_t sizes[2];
+        for (int opaque = 0; opaque < 2; ++opaque) {
+            shape_paint(&ball, ball.front, plain_colour, (const double[4]){ 0.25, 0.5, 2, opaque ? 1 : 0.5 });
+            shape_paint(&ball, ball.back, plain_colour, (const double[4]){ 0.75, 0, 0.125, 1 });
+            pith_diffusion_surfaces *read = NULL;
+            CHECK_OK(pith_diffusion_surfaces_write(&surface, 1, in_folder(names[format]), &err));
+            CHECK_OK(pith_diffusion_surfaces_read(in_folder(names[format]), &read, &err));
+            check_same(&surface, pith_diffusion_surfaces_look(read).surfaces, 1.2e-7);
+            pith_diffusion_surfaces_destroy(read);
+            sizes[opaque] = size_of(in_folder(names[format]));
+        }
+        CHECK_NEAR(sizes[0] - sizes[1], 4.0 * (double)count, 64.0); /* the head differs by some words, too */
+    }
+    shape_free(&ball);
 }
 
 /* Any program shows the side that is seen. */
@@ -336,13 +369,19 @@ static void test_glb_by_hand(void **state)
     CHECK_NEAR(surface->mesh.positions[1].z, 5.0, 1e-12);
     CHECK_NEAR(surface->blur[2], 0.6, 1e-7); /* scaled as the mesh is */
     pith_diffusion_surfaces_destroy(read);
+
+    hand_glb(",\"_BACK\":1", "", "", "VEC3", "5126", "3", 0.3f, bytes, &size);
+    CHECK_OK(pith_diffusion_surfaces_parse("sample", "glb", bytes, size, &read, &err));
+    const float opaque[3][4] = { { 1, 0, 0, 1 }, { 1, 0, 1, 1 }, { 0, 1, 0, 1 } };
+    assert_memory_equal(pith_diffusion_surfaces_look(read).surfaces->back, opaque, sizeof opaque);
+    pith_diffusion_surfaces_destroy(read);
 }
 
 static void test_wrong_glb(void **state)
 {
     (void)state;
-    refuses_glb(",\"_FRONT\":1", "", "VEC3", "5126", "3", 0, "_FRONT must be 4 floating-point numbers");
-    refuses_glb(",\"_FRONT\":1", "", "VEC4", "5121", "3", 0, "_FRONT must be 4 floating-point numbers");
+    refuses_glb(",\"_FRONT\":1", "", "VEC2", "5126", "3", 0, "_FRONT must be 3 or 4 floating-point numbers");
+    refuses_glb(",\"_FRONT\":1", "", "VEC4", "5121", "3", 0, "_FRONT must be 3 or 4 floating-point numbers");
     refuses_glb(",\"_FRONT\":1", "", "VEC4", "5126", "2", 0, "_FRONT has 2 elements for 3 vertices");
     refuses_glb(",\"_FRONT\":1", "", "VEC4", "5126", "30", 0, "reaches beyond");
     refuses_glb(",\"_FRONT\":7", "", "VEC4", "5126", "3", 0, "accessor 7 does not exist");
@@ -392,6 +431,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_there_and_back),
+        cmocka_unit_test(test_opaque_colours_are_written_without_opacity),
         cmocka_unit_test(test_others_see_vertex_colours),
         cmocka_unit_test(test_what_cannot_be_written),
         cmocka_unit_test(test_ply_by_hand),

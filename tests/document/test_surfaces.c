@@ -247,6 +247,38 @@ static void test_detail_lies_over_the_colour(void **state)
 }
 
 /* Chambers with a corner on the line of their fold: there is no room for others. */
+/* Before or after its solid is built, and in a model that shares it. */
+static void test_a_combined_solid_gives_the_diffusion_of_its_colour(void **state)
+{
+    (void)state;
+    opened m = open_text(COMBINED("{ \"solid\": \"grain\", \"way\": \"shade\", \"amount\": 1 }"));
+    opened plain = open_text(BODY(SKIN ", " CORE, ""));
+    const pith_vec3 at = pith_v3(0.7, 0.1, -0.2);
+    float wanted[4], found[4];
+    sample(plain.model, at, NULL, wanted);
+    for (int built = 0; built < 2; ++built) {
+        const pith_diffusion *diffusion = NULL;
+        const pith_diffusion_options *how = NULL;
+        CHECK_OK(pith_model_diffusion(m.model, &diffusion, &how, &err));
+        CHECK_OK(pith_diffusion_colours(diffusion, how, &at, 1, &found, &err));
+        assert_memory_equal(found, wanted, sizeof found);
+        CHECK_OK(pith_model_solid(m.model, NULL, &err));
+    }
+    close_model(&plain);
+    close_model(&m);
+
+    m = open_text("{ \"pith\": 1, \"surfaces\": [ " SKIN " ], \"shape\": { \"surfaces\": [\"skin\"] }, \"solids\": [ { \"name\": "
+                  "\"look\", \"kind\": \"combined\", \"colour\": \"grain\", \"details\": [] }, { \"name\": \"grain\", \"kind\": "
+                  "\"procedural\", \"nodes\": [ { \"name\": \"x\", \"function\": \"component\", \"what\": \"x\" } ], \"colour\": "
+                  "\"x\" } ] }");
+    const pith_diffusion *none = NULL;
+    const pith_diffusion_options *how = NULL;
+    CHECK_FAILS(pith_model_diffusion(m.model, &none, &how, &err), PITH_BAD_DOCUMENT,
+                "solids[1]: \"grain\" is of another kind than \"diffusion\"");
+    assert_null(none);
+    close_model(&m);
+}
+
 #define TIGHT(solids)                                                                                                  \
     "{ \"pith\": 1, \"sketch\": { \"folds\": 4, \"variation\": { \"seed\": 3 } }, \"surfaces\": [ " SKIN ", { \"name\": " \
     "\"rooms\", \"kind\": \"chambers\", \"vertical\": [ [0.3, 0], [0.5, 0.2], [0.7, 0], [0.5, -0.2] ], "               \
@@ -483,6 +515,7 @@ int main(void)
         cmocka_unit_test(test_surfaces_of_files),
         cmocka_unit_test(test_a_hollow_is_no_material),
         cmocka_unit_test(test_detail_lies_over_the_colour),
+        cmocka_unit_test(test_a_combined_solid_gives_the_diffusion_of_its_colour),
         cmocka_unit_test(test_a_variation_that_cannot_be_is_noted),
         cmocka_unit_test(test_bodies_like_others_and_cuts_of_one),
         cmocka_unit_test(test_operations_on_surfaces),
