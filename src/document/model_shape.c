@@ -229,8 +229,9 @@ static pith_status build_tets(pith_model *model, pith_error *err)
     note_stuffing(model);
     model_took(model, offsetof(pith_model_times, tets), start);
     byte_writer out = { 0 };
-    if (model->owner->store && stage_save_tets(tets, &model->tets_report, &out, NULL) == PITH_OK)
-        model_keep(model, "tets", model->keys.tets, &out);
+    if (!model->owner->store) return PITH_OK;
+    stage_save_tets(tets, &model->tets_report, &out, NULL);
+    model_keep(model, "tets", model->keys.tets, &out); /* tells when there was no memory, and frees */
     return PITH_OK;
 }
 
