@@ -73,7 +73,7 @@ static void strew(const pith_diffusion_section_view *view, pith_rng *rng, pith_v
     }
 }
 
-/* Vertices that lie on no cut segment: their colours were asked, and are not those of a side. Gives their number. */
+/* Vertices that lie on no cut segment: their colours were asked, and are not those of a side. */
 static pith_status choose_vertices(const pith_diffusion_section_view *view, pith_rng *rng, pith_vec3 *points,
                                    float (*colours)[4], size_t *count, pith_error *err)
 {

@@ -29,6 +29,17 @@ static void sample(pith_model *model, pith_vec3 point, const pith_vec3 *normal, 
 
 /* ---- what is built ------------------------------------------------------------------------------------------------------ */
 
+/* A model of the same document but for its title, which shares what the other has built. */
+static opened with_another_title(const opened *m)
+{
+    static const char operation[] = "{ \"op\": \"set\", \"path\": \"title\", \"value\": \"other\" }";
+    opened made = { 0 };
+    CHECK_OK(pith_document_apply(m->document, operation, strlen(operation), &made.document, &err));
+    CHECK_OK(pith_model_create(made.document, NULL, NULL, &made.model, &err));
+    pith_model_share(made.model, m->model);
+    return made;
+}
+
 static void test_colours_flow_between_drawn_balls(void **state)
 {
     (void)state;
@@ -231,23 +242,16 @@ static void test_detail_lies_over_the_colour(void **state)
     close_model(&plain);
 
     /* The same again after an edit of the camera: nothing is built anew. */
-    pith_document *edited = NULL;
-    pith_model *next = NULL;
-    static const char operation[] = "{ \"op\": \"set\", \"path\": \"title\", \"value\": \"other\" }";
-    CHECK_OK(pith_document_apply(m.document, operation, strlen(operation), &edited, &err));
-    CHECK_OK(pith_model_create(edited, NULL, NULL, &next, &err));
-    pith_model_share(next, m.model);
-    assert_true(pith_model_built(next).solid);
+    opened next = with_another_title(&m);
+    assert_true(pith_model_built(next.model).solid);
     close_model(&m); /* what is shared lives on */
     float again[4];
-    sample(next, right, NULL, again);
+    sample(next.model, right, NULL, again);
     assert_memory_equal(again, here, sizeof here);
-    pith_model_destroy(next);
-    pith_document_destroy(edited);
+    close_model(&next);
 }
 
-/* Chambers with a corner on the line of their fold: there is no room for others. */
-/* Before or after its solid is built, and in a model that shares it. */
+/* Before its solid is built and after. */
 static void test_a_combined_solid_gives_the_diffusion_of_its_colour(void **state)
 {
     (void)state;
@@ -279,6 +283,7 @@ static void test_a_combined_solid_gives_the_diffusion_of_its_colour(void **state
     close_model(&m);
 }
 
+/* Chambers with a corner on the line of their fold: there is no room for others. */
 #define TIGHT(solids)                                                                                                  \
     "{ \"pith\": 1, \"sketch\": { \"folds\": 4, \"variation\": { \"seed\": 3 } }, \"surfaces\": [ " SKIN ", { \"name\": " \
     "\"rooms\", \"kind\": \"chambers\", \"vertical\": [ [0.3, 0], [0.5, 0.2], [0.7, 0], [0.5, -0.2] ], "               \
@@ -305,17 +310,11 @@ static void test_a_variation_that_cannot_be_is_noted(void **state)
     const pith_solid *solid;
     CHECK_OK(pith_model_solid(m.model, &solid, &err)); /* by a model for each of the two solids */
     assert_int_equal(times_in(pith_model_notes(m.model), words), 1);
-    pith_document *edited = NULL;
-    pith_model *next = NULL;
-    static const char operation[] = "{ \"op\": \"set\", \"path\": \"title\", \"value\": \"other\" }";
-    CHECK_OK(pith_document_apply(m.document, operation, strlen(operation), &edited, &err));
-    CHECK_OK(pith_model_create(edited, NULL, NULL, &next, &err));
-    pith_model_share(next, m.model);
-    CHECK_OK(pith_model_surfaces(next, NULL, NULL, &err));
-    assert_int_equal(times_in(pith_model_notes(next), words), 1);
+    opened next = with_another_title(&m);
+    CHECK_OK(pith_model_surfaces(next.model, NULL, NULL, &err));
+    assert_int_equal(times_in(pith_model_notes(next.model), words), 1);
     close_model(&m);
-    pith_model_destroy(next);
-    pith_document_destroy(edited);
+    close_model(&next);
 }
 
 /* ---- several bodies --------------------------------------------------------------------------------------------------------- */
